@@ -1,0 +1,69 @@
+#include "capture/picture.h"
+
+#include <system_error>
+
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "config/errors.h"
+
+namespace rotunda::capture {
+namespace {
+
+// OpenCV names a mosaic by its second row and column, hence the *RGGB* aliases that name the first.
+int demosaic_code(PixelFormat format) {
+  switch (format) {
+    case PixelFormat::bayer_rg8: return cv::COLOR_BayerRGGB2RGB;
+    case PixelFormat::bayer_gr8: return cv::COLOR_BayerGRBG2RGB;
+    case PixelFormat::bayer_gb8: return cv::COLOR_BayerGBRG2RGB;
+    case PixelFormat::bayer_bg8: return cv::COLOR_BayerBGGR2RGB;
+    default: return cv::COLOR_GRAY2RGB;
+  }
+}
+
+cv::Mat read(const std::filesystem::path& file, int flags) {
+  cv::Mat picture;
+  try {
+    picture = cv::imread(file.string(), flags);
+  } catch (const cv::Exception& error) {
+    throw CorruptData(file.string() + ": cannot be read as a picture: " + error.err);
+  }
+  if (picture.empty()) throw CorruptData(file.string() + ": is missing or not a picture (PNG or JPEG wanted)");
+  return picture;
+}
+
+}  // namespace
+
+cv::Mat to_rgb(const Image& image) {
+  // const_cast: cv::Mat has no read-only view; nothing below writes through it.
+  auto* data = const_cast<std::uint8_t*>(image.pixels.get());
+  if (image.format == PixelFormat::rgb8) return cv::Mat(image.height, image.width, CV_8UC3, data).clone();
+  cv::Mat rgb;
+  cv::cvtColor(cv::Mat(image.height, image.width, CV_8UC1, data), rgb, demosaic_code(image.format));
+  return rgb;
+}
+
+cv::Mat read_rgb(const std::filesystem::path& file) {
+  cv::Mat rgb;
+  cv::cvtColor(read(file, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION), rgb, cv::COLOR_BGR2RGB);
+  return rgb;
+}
+
+cv::Mat read_grey(const std::filesystem::path& file) {
+  return read(file, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
+}
+
+void write_png(const std::filesystem::path& file, const cv::Mat& picture) {
+  cv::Mat out = picture;
+  if (picture.channels() == 3) cv::cvtColor(picture, out, cv::COLOR_RGB2BGR);
+  if (picture.channels() == 4) cv::cvtColor(picture, out, cv::COLOR_RGBA2BGRA);
+  bool written = false;
+  try {
+    written = cv::imwrite(file.string(), out, {cv::IMWRITE_PNG_COMPRESSION, 3});
+  } catch (const cv::Exception&) {
+    written = false;
+  }
+  if (!written) throw std::system_error(std::make_error_code(std::errc::io_error), "cannot write " + file.string());
+}
+
+}  // namespace rotunda::capture

@@ -1,0 +1,21 @@
+#pragma once
+// Pictures to work on: 8-bit sRGB in the order red, green, blue (CV_8UC3), never OpenCV's BGR; rows top to bottom.
+#include <filesystem>
+
+#include <opencv2/core.hpp>
+
+#include "capture/frame.h"
+
+namespace rotunda::capture {
+
+// Any Image as RGB; a mosaic is demosaiced bilinearly, mono is repeated in the three channels.
+cv::Mat to_rgb(const Image& image);
+
+// PNG or JPEG from disk as RGB (grey is repeated, alpha dropped). Throws CorruptData with the file's name.
+cv::Mat read_rgb(const std::filesystem::path& file);
+cv::Mat read_grey(const std::filesystem::path& file);  // CV_8UC1
+
+// CV_8UC1, CV_8UC3 (RGB), CV_8UC4 (RGBA, straight alpha) or CV_16UC1/3 as PNG. Throws std::system_error.
+void write_png(const std::filesystem::path& file, const cv::Mat& picture);
+
+}  // namespace rotunda::capture

@@ -1,0 +1,69 @@
+#include "simulator/studio/camera_layout.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+
+#include "config/errors.h"
+
+namespace rotunda::simulator {
+namespace {
+
+constexpr double kHighElevation = 55.0 * std::numbers::pi / 180.0;
+
+Eigen::Vector3d on_ring(double azimuth, const LayoutOptions& options) {
+  return {options.radius * std::cos(azimuth), options.radius * std::sin(azimuth), options.ring_height};
+}
+
+Eigen::Vector3d high_up(double azimuth, const LayoutOptions& options) {
+  const double across = options.radius * std::cos(kHighElevation);
+  return {across * std::cos(azimuth), across * std::sin(azimuth),
+          options.aim_height + options.radius * std::sin(kHighElevation)};
+}
+
+}  // namespace
+
+capture::CameraModel look_at(const Eigen::Vector3d& centre, const Eigen::Vector3d& target, int width, int height,
+                             double fx, double fy) {
+  capture::CameraModel camera;
+  camera.width = width;
+  camera.height = height;
+  camera.K << fx, 0.0, (width - 1) / 2.0, 0.0, fy, (height - 1) / 2.0, 0.0, 0.0, 1.0;
+  const Eigen::Vector3d forward = (target - centre).normalized();
+  const Eigen::Vector3d up = std::abs(forward.z()) < 0.999 ? Eigen::Vector3d::UnitZ() : Eigen::Vector3d::UnitY();
+  const Eigen::Vector3d right = forward.cross(up).normalized();
+  camera.R.row(0) = right;
+  camera.R.row(1) = forward.cross(right);
+  camera.R.row(2) = forward;
+  camera.t = -camera.R * centre;
+  return camera;
+}
+
+std::vector<capture::CameraModel> camera_layout(const LayoutOptions& options) {
+  if (options.cameras < 2 || options.cameras > 64)
+    throw InvalidInput(fmt::format("a simulated studio has 2 to 64 cameras, not {}", options.cameras));
+  if (options.width < 16 || options.height < 16)
+    throw InvalidInput(fmt::format("a picture of {} x {} pixels is too small", options.width, options.height));
+  const int high = options.cameras / 5;
+  const int ring = options.cameras - high;
+  const Eigen::Vector3d aim(0.0, 0.0, options.aim_height);
+  std::vector<capture::CameraModel> cameras;
+  for (int i = 0; i < options.cameras; ++i) {
+    const bool is_high = i >= ring;
+    const double azimuth = 2.0 * std::numbers::pi * (is_high ? (i - ring + 0.25) / high : static_cast<double>(i) / ring);
+    const Eigen::Vector3d centre = is_high ? high_up(azimuth, options) : on_ring(azimuth, options);
+    const double fy = options.height * (centre - aim).norm() / options.subject_height;
+    auto camera = look_at(centre, aim, options.width, options.height, fy / options.aspect, fy);
+    camera.name = fmt::format("cam{:02}", i);
+    camera.K(0, 1) = options.skew_px;
+    camera.distortion[0] = options.k1;
+    camera.distortion[1] = options.k2;
+    cameras.push_back(camera);
+  }
+  return cameras;
+}
+
+}  // namespace rotunda::simulator

@@ -1,0 +1,28 @@
+#pragma once
+// Where the cameras of a simulated studio stand. World frame, metres, z up; all look at the middle of the volume.
+#include <vector>
+
+#include "capture/camera_model.h"
+
+namespace rotunda::simulator {
+
+struct LayoutOptions {
+  int cameras = 10;               // 2 to 64; four in five stand on the ring, the rest look down from above
+  int width = 720, height = 576;  // pixels
+  double radius = 3.6;            // of the ring, metres
+  double ring_height = 1.3;       // metres above the floor
+  double aim_height = 0.95;       // of the point all look at
+  double subject_height = 2.3;    // metres at the aim point that fill the picture's height
+  double aspect = 1.0;            // fy / fx
+  double skew_px = 0.0;           // K[0][1]
+  double k1 = 0.0, k2 = 0.0;      // radial distortion
+};
+
+// Cameras cam00, cam01, ...; throws InvalidInput outside 2 to 64 cameras or for an empty picture.
+std::vector<capture::CameraModel> camera_layout(const LayoutOptions& options = {});
+
+// A camera at `centre` that looks at `target` with the world's z upwards in its picture.
+capture::CameraModel look_at(const Eigen::Vector3d& centre, const Eigen::Vector3d& target, int width, int height,
+                             double fx, double fy);
+
+}  // namespace rotunda::simulator
