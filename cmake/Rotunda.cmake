@@ -15,7 +15,8 @@ if(CCACHE_PROGRAM)
 endif()
 
 add_library(rotunda_options INTERFACE)
-target_compile_options(rotunda_options INTERFACE -Wall -Wextra -Wconversion -Wshadow -Werror)
+target_compile_options(rotunda_options INTERFACE -Wall -Wextra -Wconversion -Wshadow -Werror
+  -Wno-missing-field-initializers)
 target_include_directories(rotunda_options INTERFACE ${CMAKE_SOURCE_DIR})
 if(ROTUNDA_SANITIZE)
   add_compile_options(-fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer)

@@ -1,0 +1,74 @@
+#pragma once
+// The rig file: which cameras, how they are triggered, where takes go. docs/rig-file.md lists every key.
+// A struct's defaults are the file's defaults. Lengths in metres, world frame (z up, origin on the studio floor).
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace rotunda::config {
+
+// How one camera is found and set. `find_by` says which of its names `device` is.
+struct CameraConfig {
+  std::string name;  // "cam00": letters, digits, '-' and '_'; also its file name in a take
+  std::string source = "aravis";
+  std::string find_by;  // address | serial | user_name | mac
+  std::string device;
+  int width = 0;  // pixels; 0: as the camera has it
+  int height = 0;
+  std::string pixel_format = "BayerRG8";
+  std::optional<double> exposure_us;
+  std::optional<double> gain_db;
+  int packet_size = 0;  // bytes with IP and UDP headers; 0: what the link's MTU takes, 8900 at most
+};
+
+struct TriggerConfig {
+  std::string mode = "action";  // action | software | freerun
+  double rate_hz = 25.0;
+  int lead_periods = 2;                         // a scheduled action is sent this many periods ahead
+  std::string interface_address = "127.0.0.1";  // of the link the cameras hang on
+  std::uint32_t device_key = 0x524f5455;
+  std::uint32_t group_key = 1;
+  std::uint32_t group_mask = 1;
+};
+
+struct VolumeConfig {
+  std::array<double, 3> min{-1.5, -1.0, 0.0};
+  std::array<double, 3> max{1.5, 1.0, 2.0};
+};
+
+struct StorageConfig {
+  std::filesystem::path takes = "takes";  // absolute after loading
+  double reserve_mb = 2048.0;             // recording does not start, and stops, with less free than this
+  int queue_frame_sets = 50;              // held in memory while the disk is slow
+};
+
+struct SimulatorConfig {
+  std::string person = "alex";
+  std::string act = "walk";
+  std::uint64_t seed = 1;
+};
+
+struct RigConfig {
+  std::filesystem::path file;
+  std::string name;
+  std::vector<CameraConfig> cameras;
+  TriggerConfig trigger;
+  VolumeConfig volume;
+  std::string backdrop = "blue";  // blue | green
+  StorageConfig storage;
+  std::optional<std::filesystem::path> calibration;  // absolute after loading
+  std::optional<std::filesystem::path> api_socket;
+  SimulatorConfig simulator;
+};
+
+// Reads and checks a rig file. Throws ConfigError with every mistake at once, each with line, column, key, what was
+// expected and, for an unknown key, the nearest known one; std::system_error if the file cannot be read.
+RigConfig load_rig(const std::filesystem::path& file);
+
+// The text of a rig file that load_rig accepts, with comments, for `rotunda rig init`.
+std::string rig_file_text(const RigConfig& rig);
+
+}  // namespace rotunda::config

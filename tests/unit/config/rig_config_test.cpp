@@ -1,0 +1,106 @@
+#include "config/rig_config.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "config/errors.h"
+
+namespace rotunda::config {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::filesystem::path written(const std::string& text) {
+  const auto file = std::filesystem::path(::testing::TempDir()) /
+                    (std::string("rig_") + ::testing::UnitTest::GetInstance()->current_test_info()->name() + ".yaml");
+  std::ofstream(file) << text;
+  return file;
+}
+
+std::string mistakes_in(const std::string& text) {
+  try {
+    load_rig(written(text));
+  } catch (const ConfigError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+constexpr auto kOneCamera = "cameras: [{name: cam00, address: 127.0.0.1}]\n";
+
+TEST(LoadRig, ReadsTheShippedSimulatedStudio) {
+  const auto rig = load_rig(ROTUNDA_SOURCE_DIR "/config/simulated-studio.yaml");
+  ASSERT_EQ(rig.cameras.size(), 10U);
+  EXPECT_EQ(rig.cameras[9].name, "cam09");
+  EXPECT_EQ(rig.cameras[9].device, "127.0.0.10");
+  EXPECT_EQ(rig.cameras[9].width, 720);
+  EXPECT_EQ(rig.trigger.rate_hz, 25.0);
+  EXPECT_EQ(rig.calibration->filename(), "simulated-studio.calibration.yaml");
+  EXPECT_TRUE(rig.storage.takes.is_absolute());
+}
+
+TEST(LoadRig, TellsEveryMistakeAtOnceWithItsPlace) {
+  const auto text = mistakes_in(
+      "cameras:\n"
+      "  - { name: cam00, address: 127.0.0.1, exposure_us: fast }\n"
+      "  - { name: cam00, adress: 127.0.0.2 }\n"
+      "trigger: { mode: sometimes, rate_hz: -3 }\n"
+      "volume: { min: [0, 0], max: [1, 1, 1] }\n");
+  EXPECT_THAT(text,
+              HasSubstr(".yaml:2:53: cameras[0].exposure_us: expected 1 to 10000000 microseconds, found \"fast\""));
+  EXPECT_THAT(text, HasSubstr("cameras[1].adress: unknown key; did you mean \"address\"?"));
+  EXPECT_THAT(text, HasSubstr("cameras[1].name: \"cam00\" is cameras[0] already"));
+  EXPECT_THAT(text, HasSubstr(":4:18: trigger.mode: expected one of action, freerun, software, found \"sometimes\""));
+  EXPECT_THAT(text, HasSubstr("trigger.rate_hz: expected a rate of 0.1 to 1000 Hz"));
+  EXPECT_THAT(text, HasSubstr("volume.min: expected [x, y, z] in metres, found a list"));
+}
+
+TEST(LoadRig, RefusesANameThatWouldLeaveTheTakesFolder) {
+  EXPECT_THAT(mistakes_in("cameras: [{name: ../etc, address: 127.0.0.1}]"),
+              HasSubstr("cameras[0].name: expected a name"));
+}
+
+TEST(LoadRig, RefusesACameraFoundTwoWaysOrNone) {
+  EXPECT_THAT(mistakes_in("cameras: [{name: a, address: 1.2.3.4, serial: X}]"), HasSubstr("only one of address"));
+  EXPECT_THAT(mistakes_in("cameras: [{name: a}]"), HasSubstr("how to find the camera"));
+}
+
+TEST(LoadRig, RefusesWhatIsNoMapping) {
+  EXPECT_THAT(mistakes_in("just words"), HasSubstr("expected keys and values"));
+  EXPECT_THAT(mistakes_in(""), HasSubstr("cameras: is missing"));
+  EXPECT_THAT(mistakes_in("cameras: [3]"), HasSubstr("cameras[0]: expected keys and values, found \"3\""));
+}
+
+TEST(LoadRig, SaysWhereTheYamlBreaks) {
+  EXPECT_THAT(mistakes_in("cameras: [\n  {name: a"), HasSubstr("is not YAML"));
+}
+
+TEST(LoadRig, NamesAFileThatIsNotThere) {
+  try {
+    load_rig("/nowhere/rig.yaml");
+    FAIL() << "read a file that is not there";
+  } catch (const std::system_error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("/nowhere/rig.yaml"));
+  }
+}
+
+TEST(LoadRig, SurvivesEveryTruncationOfAGoodFile) {
+  std::ifstream stream(ROTUNDA_SOURCE_DIR "/config/simulated-studio.yaml");
+  const std::string whole((std::istreambuf_iterator<char>(stream)), {});
+  for (std::size_t length = 0; length < whole.size(); length += 7) mistakes_in(whole.substr(0, length));
+  EXPECT_EQ(mistakes_in(whole), "");
+}
+
+TEST(RigFileText, IsAcceptedByTheLoader) {
+  auto rig = load_rig(written(kOneCamera));
+  rig.cameras.push_back({.name = "cam01", .find_by = "serial", .device = "SR-1"});
+  const auto again = load_rig(written(rig_file_text(rig)));
+  ASSERT_EQ(again.cameras.size(), 2U);
+  EXPECT_EQ(again.cameras[1].find_by, "serial");
+  EXPECT_EQ(again.trigger.rate_hz, rig.trigger.rate_hz);
+}
+
+}  // namespace
+}  // namespace rotunda::config
