@@ -1,0 +1,347 @@
+#include "capture/calibration_file.h"
+
+#include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
+
+#include <Eigen/LU>
+#include <Eigen/SVD>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <opencv2/core/eigen.hpp>
+#include <opencv2/core/persistence.hpp>
+#include <optional>
+#include <set>
+#include <stdexcept>
+#include <system_error>
+
+#include "config/errors.h"
+
+namespace rotunda::capture {
+namespace {
+
+constexpr std::size_t kLargestFile = 16U << 20U;  // bytes; a thousand cameras take one
+constexpr int kLargestSide = 65536;               // pixels
+constexpr double kRotationTolerance = 1e-3;       // |R R^T - I|: four written digits; more is a mistake
+constexpr double kRoundingTolerance = 1e-9;       // below it R is as good as doubles written in full
+
+// Collects the mistakes of one camera's map under its place in the file.
+class CameraReader {
+ public:
+  CameraReader(const YAML::Node& map, std::string place, std::vector<ConfigProblem>& problems)
+      : map_(map), place_(std::move(place)), problems_(problems) {}
+
+  std::optional<CameraModel> read();
+
+ private:
+  void complain(const YAML::Node& node, const std::string& key, std::string message);
+  YAML::Node wanted(const char* key, const char* what);
+  std::optional<std::vector<double>> numbers(const YAML::Node& node, const char* key, std::size_t rows,
+                                             std::size_t columns);
+  void read_name(CameraModel& camera);
+  void read_size(CameraModel& camera);
+  void read_K(CameraModel& camera);
+  void read_distortion(CameraModel& camera);
+  void read_pose(CameraModel& camera);
+  void read_rms(CameraModel& camera);
+
+  const YAML::Node map_;
+  std::string place_;
+  std::vector<ConfigProblem>& problems_;
+  std::string name_;
+};
+
+int counted_from_one(int place) {
+  return place < 0 ? 0 : place + 1;
+}
+
+ConfigProblem problem_at(const YAML::Node& node, std::string key, std::string message) {
+  const auto mark = node.IsDefined() ? node.Mark() : YAML::Mark::null_mark();
+  return {counted_from_one(mark.line), counted_from_one(mark.column), std::move(key), std::move(message)};
+}
+
+void CameraReader::complain(const YAML::Node& node, const std::string& key, std::string message) {
+  std::string path = key.empty() ? place_ : place_ + "." + key;
+  if (!name_.empty()) path += " (" + name_ + ")";
+  problems_.push_back(problem_at(node.IsDefined() ? node : map_, std::move(path), std::move(message)));
+}
+
+YAML::Node CameraReader::wanted(const char* key, const char* what) {
+  const YAML::Node node = map_[key];
+  if (!node.IsDefined()) complain(map_, key, fmt::format("is missing; expected {}", what));
+  return node;
+}
+
+void append_scalars(const YAML::Node& node, int depth, std::vector<double>& out) {
+  if (!node.IsSequence()) {
+    out.push_back(node.as<double>());
+    return;
+  }
+  if (depth == 0) throw std::length_error("nested too deep");
+  if (node.size() > 64) throw std::length_error("too long");
+  for (const auto& element : node) append_scalars(element, depth - 1, out);
+}
+
+// A matrix of the given shape from !!opencv-matrix (row by row) or from plain, perhaps nested, sequences.
+// A vector may stand or lie.
+std::optional<std::vector<double>> CameraReader::numbers(const YAML::Node& node, const char* key, std::size_t rows,
+                                                         std::size_t columns) {
+  const bool vector = rows == 1 || columns == 1;
+  const auto expected = vector ? fmt::format("expected {} numbers", rows * columns)
+                               : fmt::format("expected a {} x {} matrix", rows, columns);
+  std::vector<double> values;
+  try {
+    if (node.IsMap()) {
+      const auto written_rows = node["rows"].as<std::size_t>(), written_columns = node["cols"].as<std::size_t>();
+      const bool fits = (written_rows == rows && written_columns == columns) ||
+                        (vector && written_rows == columns && written_columns == rows);
+      if (!fits) {
+        complain(node, key, fmt::format("{}, found {} x {}", expected, written_rows, written_columns));
+        return std::nullopt;
+      }
+      append_scalars(node["data"], 1, values);
+    } else {
+      append_scalars(node, 2, values);
+    }
+  } catch (const std::exception&) {  // yaml-cpp's or ours: something that is not a number
+    complain(node, key, expected + " (an !!opencv-matrix with rows, cols, data, or a plain sequence)");
+    return std::nullopt;
+  }
+  if (values.size() != rows * columns) {
+    complain(node, key, fmt::format("{}, found {} numbers", expected, values.size()));
+    return std::nullopt;
+  }
+  for (const double value : values)
+    if (!std::isfinite(value)) {
+      complain(node, key, "every number must be finite; found infinity or NaN");
+      return std::nullopt;
+    }
+  return values;
+}
+
+// The name becomes a file's (<camera>.mkv) and a folder's name.
+void CameraReader::read_name(CameraModel& camera) {
+  const YAML::Node node = wanted("name", "the camera's name");
+  if (!node.IsDefined()) return;
+  if (!node.IsScalar() || node.Scalar().empty() || node.Scalar().front() == '.' || node.Scalar().size() > 200 ||
+      node.Scalar().find_first_of(std::string("/\\\0\n", 4)) != std::string::npos)
+    return complain(node, "name", "expected a name that can name a file: not empty, no slash, no leading dot");
+  camera.name = name_ = node.Scalar();
+}
+
+void CameraReader::read_size(CameraModel& camera) {
+  const YAML::Node node = wanted("image_size", "[width, height] in pixels");
+  if (!node.IsDefined()) return;
+  const auto size = numbers(node, "image_size", 1, 2);
+  if (!size) return;
+  for (const double side : *size)
+    if (side < 1 || side > kLargestSide || side != std::floor(side))
+      return complain(node, "image_size",
+                      fmt::format("expected whole pixels from 1 to {}, found {}", kLargestSide, side));
+  camera.width = static_cast<int>((*size)[0]);
+  camera.height = static_cast<int>((*size)[1]);
+}
+
+void CameraReader::read_K(CameraModel& camera) {
+  const YAML::Node node = wanted("K", "a 3 x 3 matrix");
+  if (!node.IsDefined()) return;
+  const auto values = numbers(node, "K", 3, 3);
+  if (!values) return;
+  Eigen::Matrix3d K = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(values->data());
+  if (std::abs(K(2, 2)) < 1e-12) return complain(node, "K", "expected 1 in the lower right corner, found 0");
+  if (K(2, 2) != 1.0) K = Eigen::Matrix3d(K / K(2, 2));
+  const double focal_length = std::max(std::abs(K(0, 0)), std::abs(K(1, 1)));
+  if (std::max({std::abs(K(1, 0)), std::abs(K(2, 0)), std::abs(K(2, 1))}) > 1e-9 * (1.0 + focal_length))
+    return complain(node, "K", "expected an upper triangular matrix (fx skew cx, 0 fy cy, 0 0 1)");
+  if (std::min(std::abs(K(0, 0)), std::abs(K(1, 1))) < 1e-6)
+    return complain(node, "K", fmt::format("focal lengths must not be zero, found {} and {} px", K(0, 0), K(1, 1)));
+  camera.K = K.triangularView<Eigen::Upper>();
+}
+
+void CameraReader::read_distortion(CameraModel& camera) {
+  const YAML::Node node = map_["distortion"];
+  if (!node.IsDefined()) return;
+  const auto values = numbers(node, "distortion", 1, 5);
+  if (values) camera.distortion = Eigen::Map<const Eigen::Matrix<double, 5, 1>>(values->data());
+}
+
+void CameraReader::read_pose(CameraModel& camera) {
+  const YAML::Node rotation = wanted("R", "a 3 x 3 rotation matrix"), translation = wanted("t", "three numbers");
+  if (translation.IsDefined())
+    if (const auto values = numbers(translation, "t", 3, 1))
+      camera.t = Eigen::Map<const Eigen::Vector3d>(values->data());
+  if (!rotation.IsDefined()) return;
+  const auto values = numbers(rotation, "R", 3, 3);
+  if (!values) return;
+  camera.R = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(values->data());
+  const double error = (camera.R * camera.R.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
+  if (!(error <= kRotationTolerance))
+    return complain(rotation, "R",
+                    fmt::format("expected a rotation (or a mirrored one); R R^T is off by {:.2g}", error));
+  if (error <= kRoundingTolerance) return;
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(camera.R, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  camera.R = svd.matrixU() * svd.matrixV().transpose();  // the nearest orthonormal matrix to the rounded one
+}
+
+void CameraReader::read_rms(CameraModel& camera) {
+  const YAML::Node node = map_["rms_px"];
+  if (!node.IsDefined()) return;
+  const auto value = numbers(node, "rms_px", 1, 1);
+  if (value && (*value)[0] < 0.0) return complain(node, "rms_px", "expected pixels, not negative");
+  if (value) camera.rms_px = (*value)[0];
+}
+
+// A negative focal length is an axis of the camera turned round: K diag(s) . diag(s) (R x + t), s = +-1. In the turned
+// plane the tangential terms change sign with their own axis (p1 with y, p2 with x).
+void make_focal_lengths_positive(CameraModel& camera) {
+  const Eigen::Vector3d sign(camera.K(0, 0) < 0 ? -1 : 1, camera.K(1, 1) < 0 ? -1 : 1, 1);
+  if (sign == Eigen::Vector3d::Ones()) return;
+  camera.K = Eigen::Matrix3d(camera.K * sign.asDiagonal());
+  camera.R = Eigen::Matrix3d(sign.asDiagonal() * camera.R);
+  camera.t = Eigen::Vector3d(sign.asDiagonal() * camera.t);
+  camera.distortion[2] *= sign.y();
+  camera.distortion[3] *= sign.x();
+}
+
+std::optional<CameraModel> CameraReader::read() {
+  const std::size_t before = problems_.size();
+  if (!map_.IsMap()) {
+    complain(map_, "", "expected a map with name, image_size, K, distortion, R, t");
+    return std::nullopt;
+  }
+  CameraModel camera;
+  read_name(camera);
+  read_size(camera);
+  read_K(camera);
+  read_distortion(camera);
+  read_pose(camera);
+  read_rms(camera);
+  if (problems_.size() != before) return std::nullopt;
+  make_focal_lengths_positive(camera);
+  return camera;
+}
+
+std::string whole_text(const std::filesystem::path& file) {
+  std::error_code error;
+  if (std::filesystem::is_directory(file, error))
+    throw ConfigError(file, {{0, 0, "", "is a folder; give the calibration file itself"}});
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) throw ConfigError(file, {{0, 0, "", "cannot be opened; does the file exist, and may it be read?"}});
+  std::string text(kLargestFile + 1, '\0');
+  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(stream.gcount()));
+  if (text.size() > kLargestFile) throw ConfigError(file, {{0, 0, "", "is too large for a calibration (over 16 MB)"}});
+  return text;
+}
+
+void refuse_names_used_twice(const YAML::Node& list, const std::vector<CameraModel>& cameras,
+                             std::vector<ConfigProblem>& problems) {
+  std::set<std::string> names;
+  for (const auto& camera : cameras)
+    if (!names.insert(camera.name).second)
+      problems.push_back(problem_at(list, "cameras", fmt::format("the name {} is used twice", camera.name)));
+}
+
+CalibrationFile parse(const YAML::Node& root, std::vector<ConfigProblem>& problems) {
+  CalibrationFile calibration;
+  if (!root.IsMap()) {
+    problems.push_back(problem_at(root, "", "expected a map with unit and cameras; is this a calibration file?"));
+    return calibration;
+  }
+  const YAML::Node unit = root["unit"], list = root["cameras"];
+  if (unit.IsDefined() && !unit.IsScalar())
+    problems.push_back(problem_at(unit, "unit", "expected a word such as \"m\""));
+  if (unit.IsDefined() && unit.IsScalar()) calibration.unit = unit.Scalar();
+  if (!list.IsDefined() || !list.IsSequence() || list.size() == 0) {
+    problems.push_back(
+        problem_at(list.IsDefined() ? list : root, "cameras", "expected a sequence of at least one camera"));
+    return calibration;
+  }
+  for (std::size_t i = 0; i < list.size(); ++i)
+    if (auto camera = CameraReader(list[i], fmt::format("cameras[{}]", i), problems).read())
+      calibration.cameras.push_back(std::move(*camera));
+  refuse_names_used_twice(list, calibration.cameras, problems);
+  return calibration;
+}
+
+CalibrationFile parse_text(const std::filesystem::path& file, const std::string& text) {
+  std::vector<ConfigProblem> problems;
+  CalibrationFile calibration;
+  try {
+    calibration = parse(YAML::Load(text), problems);
+  } catch (const YAML::Exception& error) {
+    problems.push_back({counted_from_one(error.mark.line), counted_from_one(error.mark.column), "",
+                        "is not YAML as OpenCV's FileStorage writes it: " + error.msg});
+  }
+  if (!problems.empty()) throw ConfigError(file, std::move(problems));
+  return calibration;
+}
+
+template <class Matrix>
+cv::Mat as_mat(const Matrix& matrix) {
+  cv::Mat result;
+  cv::eigen2cv(matrix, result);
+  return result;
+}
+
+std::string text_of(const CalibrationFile& calibration) {
+  cv::FileStorage storage("calibration.yaml",
+                          cv::FileStorage::WRITE | cv::FileStorage::MEMORY | cv::FileStorage::FORMAT_YAML);
+  if (!calibration.unit.empty()) storage << "unit" << calibration.unit;
+  storage << "cameras"
+          << "[";
+  for (const auto& camera : calibration.cameras) {
+    storage << "{"
+            << "name" << camera.name;
+    storage << "image_size"
+            << "[:" << camera.width << camera.height << "]";
+    storage << "K" << as_mat(camera.K);
+    storage << "distortion" << as_mat(Eigen::Matrix<double, 1, 5>(camera.distortion.transpose()));
+    storage << "R" << as_mat(camera.R) << "t" << as_mat(camera.t);
+    storage << "rms_px" << camera.rms_px << "}";
+  }
+  storage << "]";
+  return storage.releaseAndGetString();
+}
+
+std::string checked_text_of(const CalibrationFile& calibration) {
+  try {
+    std::string text = text_of(calibration);
+    parse_text("calibration", text);
+    return text;
+  } catch (const ConfigError& error) {
+    throw InvalidInput(std::string("this calibration cannot be written: ") + error.what());
+  } catch (const cv::Exception& error) {
+    throw InvalidInput("this calibration cannot be written: " + error.err);
+  }
+}
+
+}  // namespace
+
+CalibrationFile read_calibration_file(const std::filesystem::path& file) {
+  return parse_text(file, whole_text(file));
+}
+
+std::vector<CameraModel> read_calibration(const std::filesystem::path& file) {
+  return read_calibration_file(file).cameras;
+}
+
+void write_calibration(const std::filesystem::path& file, const CalibrationFile& calibration) {
+  const std::string text = checked_text_of(calibration);
+  const std::filesystem::path partial = file.string() + ".partial";
+  std::ofstream stream(partial, std::ios::binary | std::ios::trunc);
+  stream << text;
+  stream.close();
+  std::error_code error = stream ? std::error_code{} : std::make_error_code(std::errc::io_error);
+  if (!error) std::filesystem::rename(partial, file, error);
+  if (!error) return;
+  std::error_code ignored;
+  std::filesystem::remove(partial, ignored);
+  throw std::system_error(error, "cannot write " + file.string());
+}
+
+void write_calibration(const std::filesystem::path& file, std::span<const CameraModel> cameras) {
+  write_calibration(file, CalibrationFile{"m", {cameras.begin(), cameras.end()}});
+}
+
+}  // namespace rotunda::capture
