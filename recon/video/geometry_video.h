@@ -1,0 +1,93 @@
+#pragma once
+// Geometry video (Briceno et al. 2003; ALGORITHMS step 7): a sequence of geometry images in one Matroska file. Stream 0
+// position (FFV1 yuv444p16: x, y, z as the three planes, 16 bits over the sequence's own box), stream 1 colour (FFV1
+// RGB), stream 2 coverage (FFV1 grey), and the JSON header as an attachment before the first frame. Positions are
+// stored without the root's translation, which stands in the header frame by frame. Metres, world frame, z up.
+// Normals are not stored: they are read off the lattice. A file cut short keeps all frames before the cut.
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "recon/sphere/geometry_image.h"
+
+namespace rotunda::recon {
+
+struct FrameStatus {
+  bool interpolated = false;  // this frame could not be mapped; what the video holds was made from its neighbours
+  std::string reason;         // why, for people; empty for a mapped frame
+};
+
+struct GeometryVideoHeader {
+  int version = 1;
+  int level = 8;         // positions: (2^level + 1)^2
+  int colour_level = 8;  // colours and coverage
+  double fps = 25.0;
+  std::int64_t first_frame = 0;            // the take's number of frame 0
+  Eigen::AlignedBox3d box;                 // of all positions relative to their frame's root, metres
+  std::vector<Eigen::Vector3d> root_path;  // per frame, world, metres
+  std::vector<FrameStatus> statuses;       // per frame
+
+  int frame_count() const { return static_cast<int>(root_path.size()); }
+};
+
+// The root of one surface: its area's centroid, which follows the body's translation and not its turning. World.
+Eigen::Vector3d root_of(const GeometryImage& image);
+
+// Takes one frame into the header: its root, its status, and the box grows around it. The first sets the levels;
+// throws InvalidInput if a later one has others, or a position is not finite.
+void add_frame(GeometryVideoHeader& header, const GeometryImage& image, FrameStatus status = {});
+
+std::string to_json(const GeometryVideoHeader& header);
+// Throws CorruptData: not JSON, another version, a value that cannot be.
+GeometryVideoHeader header_from_json(const std::string& json);
+
+// The header must hold every frame before the first is written. The file takes its name in finish(); destroyed before
+// that, nothing is left. Throws InvalidInput (a frame of another level, a position outside the box, too many or too
+// few frames) and std::system_error.
+class GeometryVideoWriter {
+ public:
+  GeometryVideoWriter(const std::filesystem::path& file, const GeometryVideoHeader& header);
+  ~GeometryVideoWriter();
+  GeometryVideoWriter(const GeometryVideoWriter&) = delete;
+  GeometryVideoWriter& operator=(const GeometryVideoWriter&) = delete;
+
+  void write(const GeometryImage& image);  // the next frame
+  void finish();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+// The whole in one call, every frame mapped.
+void write_geometry_video(const std::filesystem::path& file, std::span<const GeometryImage> images, double fps = 25.0);
+
+// Frames in any order; cheapest in sequence. Throws std::system_error (no such file), CorruptData (with file, offset
+// and what is wrong) and InvalidInput (no such frame).
+class GeometryVideoReader {
+ public:
+  explicit GeometryVideoReader(const std::filesystem::path& file);
+  ~GeometryVideoReader();
+  GeometryVideoReader(GeometryVideoReader&&) noexcept;
+  GeometryVideoReader& operator=(GeometryVideoReader&&) noexcept;
+
+  const GeometryVideoHeader& header() const;
+  int frame_count() const;
+
+  // In the world. A coarser level takes every 2^k-th sample of the positions; colours stay as fine as they are.
+  GeometryImage read(int frame);
+  GeometryImage read(int frame, int level);
+  // The same without the root's translation.
+  GeometryImage read_in_place(int frame, int level);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace rotunda::recon
