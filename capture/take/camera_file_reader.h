@@ -1,0 +1,49 @@
+#pragma once
+// Reads one camera's Matroska file of a take, whole or cut short. Opening it walks over the blocks' headers and
+// records once, without reading the pixels; any frame is then one read away.
+// Opening never throws for what is wrong with the file: frames() holds what can be found, problem() says what is wrong.
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "capture/take/frame_record.h"
+#include "capture/take/take.h"
+
+namespace rotunda::capture {
+
+// A block of the file. Without a record (damaged, or written by another program) its trigger is not known.
+struct StoredFrame {
+  std::optional<FrameRecord> record;
+  std::int64_t offset = 0;  // of its bytes in the file
+  std::size_t size = 0;     // bytes
+};
+
+class CameraFileReader {
+ public:
+  CameraFileReader(const std::filesystem::path& file, const TakeCamera& camera);
+  ~CameraFileReader();
+  CameraFileReader(CameraFileReader&&) noexcept;
+  CameraFileReader& operator=(CameraFileReader&&) noexcept;
+
+  const std::vector<StoredFrame>& frames() const { return frames_; }  // in the file's order
+  const std::string& problem() const { return problem_; }             // empty if the file ends as it should
+
+  // The frame's pixels, checked against its CRC; nothing if they are not what was recorded. Several threads may read.
+  // Throws std::system_error if the disk fails.
+  std::optional<Frame> read(const StoredFrame& stored) const;
+
+ private:
+  class Descriptor;
+  void index();
+
+  std::filesystem::path file_;
+  TakeCamera camera_;
+  std::unique_ptr<Descriptor> descriptor_;
+  std::vector<std::uint8_t> ffv1_configuration_;  // CodecPrivate; empty for raw pixels
+  std::vector<StoredFrame> frames_;
+  std::string problem_;
+};
+
+}  // namespace rotunda::capture
