@@ -1,0 +1,192 @@
+#include "simulator/gige/device_registers.h"
+
+#include <arpa/inet.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <limits>
+
+#include "config/errors.h"
+#include "simulator/gige/big_endian.h"
+#include "simulator/gige/genicam_xml.h"
+#include "simulator/gige/gvsp.h"
+
+namespace rotunda::simulator {
+namespace {
+
+constexpr std::uint32_t kBootstrapEnd = 0x1000, kFeatureBegin = reg::kWidth;
+constexpr std::uint32_t kAnything = std::numeric_limits<std::uint32_t>::max();
+
+// GVCP capabilities: concatenation, WRITEMEM, PACKETRESEND, ACTION, scheduled action, IEEE 1588, unconditional
+// action, serial number, user name.
+constexpr std::uint32_t kCapabilities =
+    1U << 0 | 1U << 1 | 1U << 2 | 1U << 6 | 1U << 17 | 1U << 19 | 1U << 20 | 1U << 30 | 1U << 31;
+
+// What clients may write, and the values each word takes. The table of the device's behaviour.
+struct Writable {
+  std::uint32_t address;
+  std::uint32_t min = 0;
+  std::uint32_t max = kAnything;
+};
+constexpr std::array kWritable{Writable{reg::kUserName},
+                               Writable{reg::kUserName + 4},
+                               Writable{reg::kUserName + 8},
+                               Writable{reg::kUserName + 12},
+                               Writable{reg::kHeartbeatMs, 500, 60000},
+                               Writable{reg::kTimestampControl, 0, 3},
+                               Writable{reg::kControlPrivilege, 0, 3},
+                               Writable{reg::kHostPort, 0, 65535},
+                               Writable{reg::kPacketSize},
+                               Writable{reg::kPacketDelay},
+                               Writable{reg::kDestination},
+                               Writable{reg::kPixelFormat},
+                               Writable{reg::kAcquisitionMode, 0, 2},
+                               Writable{reg::kAcquisitionStart, 0, 1},
+                               Writable{reg::kAcquisitionStop, 0, 1},
+                               Writable{reg::kFrameCount, 1, 65535},
+                               Writable{reg::kFrameRate, 100, 1'000'000},
+                               Writable{reg::kFrameRateEnable, 0, 1},
+                               Writable{reg::kExposureTime, 1'000, 1'000'000'000},
+                               Writable{reg::kGain, 0, 2400},
+                               Writable{reg::kExposureMode, 0, 0},
+                               Writable{reg::kTriggerSelector, 0, 0},
+                               Writable{reg::kTriggerMode, 0, 1},
+                               Writable{reg::kTriggerSource, 0, 2},
+                               Writable{reg::kTriggerActivation, 0, 0},
+                               Writable{reg::kTriggerSoftware, 0, 1},
+                               Writable{reg::kActionSelector, 0, 0},
+                               Writable{reg::kActionDeviceKey},
+                               Writable{reg::kActionGroupKey},
+                               Writable{reg::kActionGroupMask},
+                               Writable{reg::kPtpEnable, 0, 1},
+                               Writable{reg::kPtpDataSetLatch, 0, 1},
+                               Writable{reg::kTimestampLatch, 0, 1}};
+
+std::uint32_t ipv4(const GigeCameraOptions& options) {
+  in_addr address{};
+  if (inet_pton(AF_INET, options.address.c_str(), &address) != 1)
+    throw InvalidInput(fmt::format("{}: \"{}\" is not an IPv4 address", options.name, options.address));
+  return ntohl(address.s_addr);
+}
+
+}  // namespace
+
+std::vector<capture::PixelFormat> selectable_formats(capture::PixelFormat native) {
+  if (native == capture::PixelFormat::mono8 || capture::bytes_per_pixel(native) != 1) return {native};
+  return {native, capture::PixelFormat::mono8};
+}
+
+DeviceRegisters::DeviceRegisters(const GigeCameraOptions& options)
+    : bootstrap_(kBootstrapEnd), features_(reg::kFeatureEnd - kFeatureBegin) {
+  if (options.width < 1 || options.height < 1 || options.width > 65535 || options.height > 65535)
+    throw InvalidInput(fmt::format("{}: {} x {} is no picture", options.name, options.width, options.height));
+  for (const auto format : selectable_formats(options.format)) pixel_codes_.push_back(pixel_code(format));
+  const std::string xml = genicam_xml(options);
+  xml_.assign(xml.begin(), xml.end());
+  store_text(0x200, 512, fmt::format("Local:rotunda.xml;{:x};{:x}", reg::kXml, xml_.size()));
+  xml_.resize((xml_.size() + 3) / 4 * 4, ' ');
+  describe_device(options);
+  describe_capabilities();
+  describe_features(options);
+}
+
+void DeviceRegisters::describe_device(const GigeCameraOptions& options) {
+  const auto& mac = options.mac;
+  set(0x00, 2U << 16);    // GigE Vision 2.0
+  set(0x04, 0x80000001);  // big-endian, UTF-8
+  set(reg::kMacHigh, static_cast<std::uint32_t>(mac[0] << 8 | mac[1]));
+  set(reg::kMacLow, load_be<std::uint32_t>(mac, 2));
+  set(0x10, 0x5);  // IP configuration: persistent and link-local are supported
+  set(0x14, 0x5);
+  set(reg::kAddress, ipv4(options));
+  set(0x34, 0xFF000000);  // subnet mask
+  store_text(0x48, 32, "Rotunda");
+  store_text(0x68, 32, "Simulated studio camera");
+  store_text(0x88, 32, "1.0");
+  store_text(0xA8, 48, "shows a synthetic studio; not a real device");
+  store_text(0xD8, 16, options.serial);
+  store_text(reg::kUserName, 16, options.name);
+}
+
+void DeviceRegisters::describe_capabilities() {
+  set(0x600, 1);  // network interfaces
+  set(0x904, 1);  // stream channels
+  set(0x934, kCapabilities);
+  set(reg::kHeartbeatMs, 3000);
+  set64(0x93C, 1'000'000'000);  // ticks a second
+  set(reg::kPacketSize, 1500);
+}
+
+void DeviceRegisters::describe_features(const GigeCameraOptions& options) {
+  const auto width = static_cast<std::uint32_t>(options.width), height = static_cast<std::uint32_t>(options.height);
+  set(reg::kWidth, width);
+  set(reg::kHeight, height);
+  set(reg::kPixelFormat, pixel_code(options.format));
+  set(reg::kPayloadSize, width * height * static_cast<std::uint32_t>(capture::bytes_per_pixel(options.format)));
+  set(reg::kFrameCount, 1);
+  set(reg::kFrameRate, 25'000);
+  set(reg::kFrameRateEnable, 1);
+  set(reg::kExposureTime, static_cast<std::uint32_t>(options.exposure_us * 1000.0));
+  set(reg::kTriggerSource, static_cast<std::uint32_t>(TriggerSource::action1));
+  set(reg::kActionGroupMask, 1);
+}
+
+void DeviceRegisters::store_text(std::uint32_t address, std::size_t room, std::string_view text) {
+  if (text.size() >= room)
+    throw InvalidInput(fmt::format("\"{}\" is longer than the {} characters a camera keeps", text, room - 1));
+  std::copy(text.begin(), text.end(), bootstrap_.begin() + address);
+}
+
+std::span<std::uint8_t> DeviceRegisters::word(std::uint32_t address) {
+  const bool is_bootstrap = address < kBootstrapEnd;
+  assert(address % 4 == 0 && (is_bootstrap || (address >= kFeatureBegin && address < reg::kFeatureEnd)));
+  return is_bootstrap ? std::span{bootstrap_}.subspan(address, 4)
+                      : std::span{features_}.subspan(address - kFeatureBegin, 4);
+}
+
+std::uint32_t DeviceRegisters::get(std::uint32_t address) const {
+  const auto bytes = read(address, 4);
+  assert(bytes);
+  return load_be<std::uint32_t>(*bytes, 0);
+}
+
+void DeviceRegisters::set(std::uint32_t address, std::uint32_t value) {
+  store_be(word(address), 0, value);
+}
+
+void DeviceRegisters::set64(std::uint32_t address, std::uint64_t value) {
+  set(address, static_cast<std::uint32_t>(value >> 32));
+  set(address + 4, static_cast<std::uint32_t>(value));
+}
+
+std::optional<std::span<const std::uint8_t>> DeviceRegisters::read(std::uint32_t address, std::size_t bytes) const {
+  struct Area {
+    std::uint32_t begin;
+    const std::vector<std::uint8_t>& memory;
+  };
+  for (const Area& area : {Area{0, bootstrap_}, Area{kFeatureBegin, features_}, Area{reg::kXml, xml_}}) {
+    const std::size_t size = area.memory.size();
+    if (address >= area.begin && address - area.begin < size && bytes <= size - (address - area.begin))
+      return std::span{area.memory}.subspan(address - area.begin, bytes);
+  }
+  return std::nullopt;
+}
+
+GvcpStatus DeviceRegisters::write(std::uint32_t address, std::uint32_t value) {
+  const auto row = std::find_if(kWritable.begin(), kWritable.end(),
+                                [address](const Writable& entry) { return entry.address == address; });
+  if (row == kWritable.end()) return read(address, 4) ? GvcpStatus::write_protect : GvcpStatus::invalid_address;
+  if (value < row->min || value > row->max) return GvcpStatus::invalid_parameter;
+  if (address == reg::kPixelFormat && std::count(pixel_codes_.begin(), pixel_codes_.end(), value) == 0)
+    return GvcpStatus::invalid_parameter;
+  if (address == reg::kPacketSize) {
+    const std::uint32_t size = value & kPacketSizeMask;
+    if (size < kMinPacketSize || size > kMaxPacketSize) return GvcpStatus::invalid_parameter;
+  }
+  set(address, value);
+  return GvcpStatus::success;
+}
+
+}  // namespace rotunda::simulator

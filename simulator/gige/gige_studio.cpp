@@ -1,0 +1,373 @@
+#include "simulator/gige/gige_studio.h"
+
+#include <arpa/inet.h>
+#include <fmt/format.h>
+#include <netinet/in.h>
+#include <spdlog/spdlog.h>
+#include <sys/epoll.h>
+#include <sys/eventfd.h>
+#include <sys/prctl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <condition_variable>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <system_error>
+#include <thread>
+#include <utility>
+
+#include "config/errors.h"
+#include "simulator/gige/camera_stream.h"
+#include "simulator/gige/gige_device.h"
+
+namespace rotunda::simulator {
+namespace {
+
+using capture::RigClock;
+using capture::Timestamp;
+using namespace std::chrono_literals;
+
+constexpr auto kLongestWait = 100ms;  // both threads look at the clock at least this often
+constexpr std::uint32_t kLimitedBroadcast = INADDR_BROADCAST;
+constexpr std::uint32_t kLoopbackBroadcast = 0x7FFFFFFF;  // 127.255.255.255
+
+std::uint32_t ipv4(const GigeCameraOptions& camera) {
+  in_addr address{};
+  if (inet_pton(AF_INET, camera.address.c_str(), &address) != 1)
+    throw InvalidInput(fmt::format("{}: \"{}\" is not an IPv4 address", camera.name, camera.address));
+  return ntohl(address.s_addr);
+}
+
+UdpSocket control_socket(const GigeCameraOptions& camera) {
+  try {
+    return UdpSocket({.address = ipv4(camera), .port = kGvcpPort});
+  } catch (const std::system_error& error) {
+    if (error.code() == std::errc::address_in_use)
+      throw DeviceError(camera.name,
+                        fmt::format("{}:{} is taken; is another rotunda-sim running?", camera.address, kGvcpPort));
+    if (error.code() == std::errc::address_not_available)
+      throw DeviceError(camera.name,
+                        fmt::format("{} is no address of this machine; simulated cameras live on 127.0.0.1, "
+                                    "127.0.0.2, ... of the loopback",
+                                    camera.address));
+    throw;
+  }
+}
+
+void check_distinct(const std::vector<GigeCameraOptions>& cameras) {
+  std::set<std::string> seen;
+  const auto add = [&](const std::string& what, const std::string& value) {
+    if (!seen.insert(what + value).second)
+      throw InvalidInput(fmt::format("two simulated cameras have the {} {}", what, value));
+  };
+  for (const auto& camera : cameras) {
+    add("name", camera.name);
+    add("serial", camera.serial);
+    add("address", camera.address);
+    add("MAC", fmt::format("{:02x}", fmt::join(camera.mac, ":")));
+  }
+}
+
+struct Camera {
+  Camera(const GigeCameraOptions& options, bool is_clock_master)
+      : name(options.name),
+        picture_bytes(static_cast<std::size_t>(options.width) * static_cast<std::size_t>(options.height) *
+                      capture::bytes_per_pixel(options.format)),
+        control(control_socket(options)),
+        stream({.address = ipv4(options), .port = 0}),
+        device(options, is_clock_master ? PtpStatus::master : PtpStatus::slave, stream.port()) {
+    const int never_fragment = IP_PMTUDISC_DO;
+    setsockopt(stream.fd(), IPPROTO_IP, IP_MTU_DISCOVER, &never_fragment, sizeof never_fragment);
+  }
+
+  std::string name;
+  std::size_t picture_bytes;
+  UdpSocket control, stream;
+  // Shared by both threads, under the studio's mutex:
+  GigeDevice device;
+  GigeFaults faults;
+  StreamCounts sent;
+  std::uint64_t missing_pictures = 0;
+};
+
+// What the sender takes along when it leaves the mutex.
+struct Errands {
+  std::vector<DueFrame> frames;
+  std::vector<ResendCommand> resends;
+  std::vector<TestPacket> test_packets;
+  GigeFaults faults;
+};
+
+}  // namespace
+
+struct GigeStudio::Impl {
+  Impl(std::vector<GigeCameraOptions> options, PictureAt picture, const GigeStudioOptions& studio)
+      : picture_at(std::move(picture)),
+        limited_broadcast({kLimitedBroadcast, kGvcpPort}, Sharing::with_other_sockets),
+        loopback_broadcast({kLoopbackBroadcast, kGvcpPort}, Sharing::with_other_sockets) {
+    check_distinct(options);
+    cameras.reserve(options.size());
+    for (const auto& camera : options) {
+      cameras.emplace_back(camera, cameras.empty());
+      streams.emplace_back(streams.size(), cameras.back().stream.fd(), studio.link_bits_per_second);
+    }
+  }
+
+  void control_loop();
+  void drain(UdpSocket& socket, std::optional<std::size_t> camera);
+  void hand_to(Camera& camera, std::span<const std::uint8_t> datagram, const UdpSocket::Received& received);
+  std::optional<Timestamp> next_due() const;
+  void wake_sender_if_needed(std::optional<Timestamp> due_before);
+
+  void sender_loop();
+  std::vector<Errands> collect(Timestamp now);
+  void run(std::size_t camera, const Errands& errands);
+  void send_frame(std::size_t camera, const DueFrame& frame, const GigeFaults& faults);
+  void send_bursts(const std::vector<Errands>& errands);
+  void publish_and_wait();
+
+  PictureAt picture_at;
+  UdpSocket limited_broadcast, loopback_broadcast;
+  mutable std::mutex mutex;
+  std::condition_variable wake;
+  std::vector<Camera> cameras;
+  bool sender_has_work = false, stopping = false;  // under the mutex
+  // The sender's own:
+  std::vector<CameraStream> streams;
+  std::vector<std::uint64_t> missing_pictures = {};
+  std::array<std::uint8_t, 2048> buffer{};  // the control thread's own
+  std::atomic<bool> control_stopping = false;
+  std::jthread control, sender;
+};
+
+// --- control thread ---------------------------------------------------------------------------------------------
+
+void GigeStudio::Impl::control_loop() {
+  prctl(PR_SET_NAME, "gige-control");
+  const int poll = epoll_create1(EPOLL_CLOEXEC);
+  std::vector<std::pair<UdpSocket*, std::optional<std::size_t>>> sockets{{&limited_broadcast, std::nullopt},
+                                                                         {&loopback_broadcast, std::nullopt}};
+  for (std::size_t i = 0; i < cameras.size(); ++i) sockets.emplace_back(&cameras[i].control, i);
+  for (std::size_t i = 0; i < sockets.size(); ++i) {
+    epoll_event event{.events = EPOLLIN, .data = {.u64 = i}};
+    epoll_ctl(poll, EPOLL_CTL_ADD, sockets[i].first->fd(), &event);
+  }
+  std::array<epoll_event, 16> events{};
+  while (!control_stopping) {
+    const int ready = epoll_wait(poll, events.data(), static_cast<int>(events.size()),
+                                 static_cast<int>(std::chrono::milliseconds{kLongestWait}.count()));
+    const Timestamp now = RigClock::now();
+    for (int i = 0; i < ready; ++i) {
+      const auto& [socket, camera] = sockets[events[static_cast<std::size_t>(i)].data.u64];
+      drain(*socket, camera);
+    }
+    const std::scoped_lock lock(mutex);
+    if (ready < static_cast<int>(events.size()))
+      for (auto& camera : cameras) camera.device.check_heartbeat(now);
+  }
+  close(poll);
+}
+
+void GigeStudio::Impl::drain(UdpSocket& socket, std::optional<std::size_t> camera) {
+  while (const auto received = socket.receive(buffer)) {
+    const std::span datagram = std::span{buffer}.first(std::min(received->bytes, buffer.size()));
+    const std::scoped_lock lock(mutex);
+    const auto due_before = next_due();
+    if (camera) {
+      hand_to(cameras[*camera], datagram, *received);
+    } else {
+      for (auto& each : cameras) hand_to(each, datagram, *received);
+    }
+    wake_sender_if_needed(due_before);
+  }
+}
+
+void GigeStudio::Impl::hand_to(Camera& camera, std::span<const std::uint8_t> datagram,
+                               const UdpSocket::Received& received) {
+  if (camera.faults.silent) return;
+  if (const auto acknowledgement = camera.device.handle(datagram, received.from, received.at))
+    camera.control.send(*acknowledgement, received.from);
+}
+
+std::optional<Timestamp> GigeStudio::Impl::next_due() const {
+  std::optional<Timestamp> earliest;
+  for (const auto& camera : cameras) {
+    const auto due = camera.device.next_due();
+    if (due && (!earliest || *due < *earliest)) earliest = due;
+  }
+  return earliest;
+}
+
+void GigeStudio::Impl::wake_sender_if_needed(std::optional<Timestamp> due_before) {
+  const bool has_errand =
+      std::any_of(cameras.begin(), cameras.end(), [](const Camera& camera) { return camera.device.has_errand(); });
+  if (!has_errand && next_due() == due_before) return;
+  sender_has_work = true;
+  wake.notify_one();
+}
+
+// --- sender thread ----------------------------------------------------------------------------------------------
+
+void GigeStudio::Impl::sender_loop() {
+  prctl(PR_SET_NAME, "gige-sender");
+  prctl(PR_SET_TIMERSLACK, 1);
+  for (;;) {
+    const auto errands = collect(RigClock::now());
+    if (errands.empty()) return;
+    for (std::size_t i = 0; i < errands.size(); ++i) run(i, errands[i]);
+    send_bursts(errands);
+    publish_and_wait();
+  }
+}
+
+// Empty when the studio stops.
+std::vector<Errands> GigeStudio::Impl::collect(Timestamp now) {
+  const std::scoped_lock lock(mutex);
+  if (stopping) return {};
+  sender_has_work = false;
+  std::vector<Errands> all;
+  all.reserve(cameras.size());
+  for (auto& camera : cameras) {
+    auto& errands = all.emplace_back();
+    errands.faults = camera.faults;
+    while (const auto frame = camera.device.take_due(now)) errands.frames.push_back(*frame);
+    while (const auto request = camera.device.take_resend()) errands.resends.push_back(*request);
+    while (const auto packet = camera.device.take_test_packet()) errands.test_packets.push_back(*packet);
+  }
+  return all;
+}
+
+void GigeStudio::Impl::run(std::size_t camera, const Errands& errands) {
+  for (const auto& packet : errands.test_packets)
+    if (!errands.faults.silent) streams[camera].send_test_packet(packet.destination, packet.bytes);
+  for (const auto& request : errands.resends) streams[camera].resend(request, errands.faults);
+  for (const auto& frame : errands.frames) send_frame(camera, frame, errands.faults);
+}
+
+void GigeStudio::Impl::send_frame(std::size_t camera, const DueFrame& frame, const GigeFaults& faults) {
+  if (frame.destination.port == 0) return;
+  streams[camera].make_room();
+  std::span<const std::uint8_t> pixels;
+  try {
+    pixels = picture_at(camera, frame.exposure_start);
+  } catch (const std::exception& error) {
+    if (missing_pictures[camera] == 0) spdlog::error("{}: no picture to send: {}", cameras[camera].name, error.what());
+  }
+  if (pixels.size() != cameras[camera].picture_bytes) {
+    ++missing_pictures[camera];
+    return;
+  }
+  streams[camera].add({.block = frame.block,
+                       .exposure_start = frame.exposure_start,
+                       .pixel_code = frame.pixel_code,
+                       .width = frame.width,
+                       .height = frame.height,
+                       .packet_size = frame.packet_size,
+                       .pixels = pixels},
+                      frame.destination, frame.packet_delay, frame.due + faults.late);
+}
+
+// Burst by burst in turn, as the cameras would share a switch.
+void GigeStudio::Impl::send_bursts(const std::vector<Errands>& errands) {
+  const Timestamp now = RigClock::now();
+  for (bool sent = true; sent;) {
+    sent = false;
+    for (std::size_t i = 0; i < streams.size(); ++i) sent |= streams[i].send_due(now, errands[i].faults);
+  }
+}
+
+void GigeStudio::Impl::publish_and_wait() {
+  std::optional<Timestamp> next;
+  const auto consider = [&](std::optional<Timestamp> when) {
+    if (when && (!next || *when < *next)) next = when;
+  };
+  for (const auto& stream : streams) consider(stream.next_burst());
+  std::unique_lock lock(mutex);
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    cameras[i].sent = streams[i].counts();
+    cameras[i].missing_pictures = missing_pictures[i];
+  }
+  consider(next_due());
+  const auto longest = std::chrono::nanoseconds{kLongestWait};
+  const auto pause = next ? std::clamp(*next - RigClock::now(), 0ns, longest) : longest;
+  wake.wait_for(lock, pause, [this] { return sender_has_work || stopping; });
+}
+
+// --- studio -----------------------------------------------------------------------------------------------------
+
+GigeStudio::GigeStudio(std::vector<GigeCameraOptions> cameras, PictureAt picture_at, const GigeStudioOptions& options)
+    : impl_(std::make_unique<Impl>(std::move(cameras), std::move(picture_at), options)) {
+  impl_->missing_pictures.resize(impl_->cameras.size());
+}
+
+GigeStudio::~GigeStudio() {
+  stop();
+}
+
+void GigeStudio::start() {
+  impl_->control = std::jthread([impl = impl_.get()] { impl->control_loop(); });
+  impl_->sender = std::jthread([impl = impl_.get()] { impl->sender_loop(); });
+}
+
+void GigeStudio::stop() {
+  {
+    const std::scoped_lock lock(impl_->mutex);
+    impl_->stopping = true;
+    impl_->control_stopping = true;
+  }
+  impl_->wake.notify_one();
+  if (impl_->sender.joinable()) impl_->sender.join();
+  if (impl_->control.joinable()) impl_->control.join();
+}
+
+std::size_t GigeStudio::size() const {
+  return impl_->cameras.size();
+}
+
+std::vector<GigeStats> GigeStudio::stats() const {
+  const std::scoped_lock lock(impl_->mutex);
+  std::vector<GigeStats> all;
+  for (const auto& camera : impl_->cameras) {
+    const auto& heard = camera.device.counts();
+    all.push_back({.frames_sent = camera.sent.frames_sent,
+                   .missing_pictures = camera.missing_pictures,
+                   .packets_sent = camera.sent.packets_sent,
+                   .packets_lost = camera.sent.packets_lost,
+                   .packets_resent = camera.sent.packets_resent,
+                   .packets_unavailable = camera.sent.packets_unavailable,
+                   .send_errors = camera.sent.send_errors,
+                   .resend_requests = heard.resend_requests,
+                   .triggers = heard.triggers,
+                   .ignored_triggers = heard.ignored_triggers,
+                   .late_actions = heard.late_actions,
+                   .denied = heard.denied,
+                   .lost_controllers = heard.lost_controllers,
+                   .has_controller = camera.device.has_controller(),
+                   .is_acquiring = camera.device.is_acquiring()});
+  }
+  return all;
+}
+
+void GigeStudio::set_faults(std::size_t camera, const GigeFaults& faults) {
+  if (camera >= size()) throw InvalidInput(fmt::format("there is no simulated camera {} of {}", camera, size()));
+  const std::scoped_lock lock(impl_->mutex);
+  impl_->cameras[camera].faults = faults;
+}
+
+void GigeStudio::set_faults(const GigeFaults& faults) {
+  for (std::size_t i = 0; i < size(); ++i) set_faults(i, faults);
+}
+
+void GigeStudio::line0_edge(Timestamp at) {
+  const std::scoped_lock lock(impl_->mutex);
+  for (auto& camera : impl_->cameras) camera.device.line0_edge(at);
+  impl_->sender_has_work = true;
+  impl_->wake.notify_one();
+}
+
+}  // namespace rotunda::simulator

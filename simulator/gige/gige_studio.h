@@ -1,0 +1,62 @@
+#pragma once
+// N simulated GigE Vision cameras in one process, each on its own address of this machine (127.0.0.1, 127.0.0.2, ...),
+// unprivileged. Owns their sockets and two threads: "gige-control" answers GVCP on port 3956, "gige-sender" streams.
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "capture/frame.h"
+#include "simulator/gige/camera_options.h"
+#include "simulator/gige/faults.h"
+
+namespace rotunda::simulator {
+
+// What a camera sees in an exposure that starts then: width x height pixels of the camera's format, as they lie in a
+// Frame. Called on the sender thread when the exposure is over, once a frame, so it must be quick: look it up in a
+// cache. The pixels must stay valid and unchanged until the eighth following call for the same camera (they are sent
+// without a copy and kept for resending), or until the studio has stopped.
+// The camera counts as giving no picture if the span has another size or the call throws: the frame is skipped.
+using PictureAt = std::function<std::span<const std::uint8_t>(std::size_t camera, capture::Timestamp exposure_start)>;
+
+struct GigeStats {
+  std::uint64_t frames_sent = 0;
+  std::uint64_t missing_pictures = 0;  // PictureAt gave none, so no frame was sent
+  std::uint64_t packets_sent = 0, packets_lost = 0, packets_resent = 0, packets_unavailable = 0, send_errors = 0;
+  std::uint64_t resend_requests = 0;
+  std::uint64_t triggers = 0, ignored_triggers = 0, late_actions = 0;
+  std::uint64_t denied = 0;            // commands of others than the controller
+  std::uint64_t lost_controllers = 0;  // heartbeats that stopped
+  bool has_controller = false, is_acquiring = false;
+};
+
+struct GigeStudioOptions {
+  double link_bits_per_second = 1e9;  // of each camera, paces its packets; 0: each frame leaves in one burst
+};
+
+class GigeStudio {
+ public:
+  // Takes the cameras' addresses. Throws DeviceError if an address or its port 3956 is not to be had, InvalidInput if
+  // two cameras share a name, serial, address or MAC or an option does not fit.
+  GigeStudio(std::vector<GigeCameraOptions> cameras, PictureAt picture_at, const GigeStudioOptions& options = {});
+  ~GigeStudio();  // stops
+  GigeStudio(const GigeStudio&) = delete;
+  GigeStudio& operator=(const GigeStudio&) = delete;
+
+  void start();  // answers and streams from now on; once
+  void stop();   // returns when both threads have ended; again does nothing
+
+  // All of these may be called from any thread at any time.
+  std::size_t size() const;
+  std::vector<GigeStats> stats() const;
+  void set_faults(std::size_t camera, const GigeFaults& faults);  // throws InvalidInput for a camera that is not there
+  void set_faults(const GigeFaults& faults);                      // of all cameras
+  void line0_edge(capture::Timestamp at);                         // the trigger line all cameras hang on
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace rotunda::simulator
