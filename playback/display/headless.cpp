@@ -1,10 +1,9 @@
 #include "playback/display/headless.h"
 
-#include <malloc.h>
-
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
 #include <fmt/format.h>
+#include <malloc.h>
 
 #include "config/errors.h"
 
@@ -13,7 +12,8 @@ namespace {
 
 [[noreturn]] void fail(const char* step) {
   throw DeviceError("display", fmt::format("{} failed (EGL error 0x{:x}); is Mesa's software renderer "
-                                           "(libgl1-mesa-dri) installed?", step, eglGetError()));
+                                           "(libgl1-mesa-dri) installed?",
+                                           step, eglGetError()));
 }
 
 }  // namespace

@@ -1,9 +1,9 @@
 #include "playback/render/gl_objects.h"
 
-#include <string>
-
 #include <fmt/format.h>
+
 #include <opencv2/core.hpp>
+#include <string>
 
 #include "config/errors.h"
 
@@ -27,11 +27,21 @@ GLuint compile(GLenum stage, std::string_view source) {
 
 }  // namespace
 
-void delete_buffer(GLuint name) { glDeleteBuffers(1, &name); }
-void delete_texture(GLuint name) { glDeleteTextures(1, &name); }
-void delete_vertex_array(GLuint name) { glDeleteVertexArrays(1, &name); }
-void delete_framebuffer(GLuint name) { glDeleteFramebuffers(1, &name); }
-void delete_program(GLuint name) { glDeleteProgram(name); }
+void delete_buffer(GLuint name) {
+  glDeleteBuffers(1, &name);
+}
+void delete_texture(GLuint name) {
+  glDeleteTextures(1, &name);
+}
+void delete_vertex_array(GLuint name) {
+  glDeleteVertexArrays(1, &name);
+}
+void delete_framebuffer(GLuint name) {
+  glDeleteFramebuffers(1, &name);
+}
+void delete_program(GLuint name) {
+  glDeleteProgram(name);
+}
 
 GlBuffer make_buffer() {
   GLuint name = 0;
@@ -68,7 +78,9 @@ GlProgram make_program(std::string_view vertex_source, std::string_view fragment
   throw DeviceError("display", "a shader program does not link: " + std::string(log.c_str()));
 }
 
-GLint uniform(const GlProgram& program, const char* name) { return glGetUniformLocation(program.get(), name); }
+GLint uniform(const GlProgram& program, const char* name) {
+  return glGetUniformLocation(program.get(), name);
+}
 
 RenderTarget::RenderTarget(int width, int height)
     : width_(width), height_(height), colour_(make_texture()), depth_(make_texture()) {
@@ -83,7 +95,8 @@ RenderTarget::RenderTarget(int width, int height)
   glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, colour_.get(), 0);
   glFramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, depth_.get(), 0);
   if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
-    throw DeviceError("display", fmt::format("cannot draw into {} x {} pixels; ask for a smaller --size", width, height));
+    throw DeviceError("display",
+                      fmt::format("cannot draw into {} x {} pixels; ask for a smaller --size", width, height));
 }
 
 void RenderTarget::bind() const {

@@ -1,10 +1,10 @@
 #pragma once
 // Move-only owners of OpenGL ES names. Only the thread that holds the context may use or destroy them.
+#include <GLES3/gl3.h>
+
+#include <opencv2/core.hpp>
 #include <string_view>
 #include <utility>
-
-#include <GLES3/gl3.h>
-#include <opencv2/core.hpp>
 
 namespace rotunda::playback {
 

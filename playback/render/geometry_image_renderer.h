@@ -1,0 +1,55 @@
+#pragma once
+// Draws a GeometryImage straight from its textures: the vertex shader fetches the positions (ALGORITHMS step 10), the
+// fragment shader the colours, bilinearly, at their own finer level. World frame, metres. Each level of detail is every
+// 2^k-th sample, a closed surface of its own. Needs a current GLES 3 context; throws DeviceError if the driver refuses
+// the shaders or the size.
+#include <array>
+#include <map>
+#include <optional>
+
+#include "playback/render/gl_objects.h"
+#include "playback/render/view_program.h"
+#include "playback/viewpoint.h"
+#include "recon/sphere/geometry_image.h"
+
+namespace rotunda::playback {
+
+class GeometryImageRenderer {
+ public:
+  GeometryImageRenderer();
+  // Takes the image's place among three sets of textures, so that a frame still being drawn is not waited for.
+  // Throws InvalidInput if positions or colours are not of the image's levels.
+  void upload(const recon::GeometryImage& image);
+  // The image last uploaded, into the bound framebuffer; `level` 0 is its own, else coarser.
+  void draw(const Viewpoint& viewpoint, const DrawOptions& options = {}, int level = 0);
+
+ private:
+  struct Slot {
+    GlTexture positions, colours;
+    int level = 0, colour_level = 0;  // 0: no storage yet
+    bool inside_out = false;          // the lattice's rows and columns turn the other way
+    Eigen::AlignedBox3d box;
+  };
+  struct Strips {
+    GlBuffer indices;
+    GLsizei count = 0;
+  };
+  const Strips& strips_of(int level);
+
+  ViewProgram program_;
+  GlVertexArray vertices_;  // holds no attributes: the vertex number says it all
+  std::array<Slot, 3> slots_;
+  std::size_t current_ = 0;
+  std::map<int, Strips> strips_;
+};
+
+// Triangle strips of the closed lattice, (2^level + 1)^2 samples row by row, 0xffffffff between strips. Quads are cut
+// along the octahedron's own edges; columns cross rows is the front.
+std::vector<std::uint32_t> lattice_strips(int level);
+
+// One picture in one call, as render_mesh.
+cv::Mat render_geometry_image(const recon::GeometryImage& image, const Viewpoint& viewpoint,
+                              const DrawOptions& options = {},
+                              const std::optional<recon::Colour>& background = std::nullopt);
+
+}  // namespace rotunda::playback

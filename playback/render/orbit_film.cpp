@@ -1,0 +1,102 @@
+#include "playback/render/orbit_film.h"
+
+#include <fmt/format.h>
+
+#include <numbers>
+
+#include "config/errors.h"
+#include "playback/render/geometry_image_renderer.h"
+
+namespace rotunda::playback {
+namespace {
+
+struct Range {
+  int first, last;
+  int count() const { return last - first; }
+};
+
+Range range_of(const OrbitFilmOptions& options, int frames) {
+  const Range range{options.first_frame, options.last_frame < 0 ? frames : options.last_frame};
+  if (range.first < 0 || range.last > frames || range.count() < 1)
+    throw InvalidInput(
+        fmt::format("frames {}:{} are not in the video, which has 0:{}", range.first, range.last, frames));
+  return range;
+}
+
+// The performer's place on the floor, evened out over half a second: the eye does not bob with each step.
+Eigen::Vector3d place_of(const recon::GeometryVideoHeader& header, const Range& range, int frame) {
+  const int reach = static_cast<int>(std::lround(0.25 * header.fps));
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  int count = 0;
+  for (int i = std::max(range.first, frame - reach); i < std::min(range.last, frame + reach + 1); ++i, ++count)
+    sum += header.root_path[static_cast<std::size_t>(i)];
+  return sum / count;
+}
+
+double mean_height(const recon::GeometryVideoHeader& header, const Range& range) {
+  double sum = 0.0;
+  for (int i = range.first; i < range.last; ++i) sum += header.root_path[static_cast<std::size_t>(i)].z();
+  return sum / range.count();
+}
+
+Orbit first_orbit(const OrbitFilmOptions& options, const Eigen::AlignedBox3d& box) {
+  Orbit orbit = orbit_around(box, Orbit{}.field_of_view, static_cast<double>(options.width) / options.height);
+  if (options.distance) orbit.distance = *options.distance;
+  orbit.azimuth = options.azimuth;
+  orbit.elevation = options.elevation;
+  return orbit;
+}
+
+}  // namespace
+
+int render_orbit(recon::GeometryVideoReader& video, const OrbitFilmOptions& options, FilmWriter& film) {
+  const recon::GeometryVideoHeader& header = video.header();
+  const Range range = range_of(options, header.frame_count());
+  if (options.supersample < 1 || options.supersample > 4 || options.width < 1 || options.height < 1)
+    throw InvalidInput("a film needs a size, and is drawn 1 to 4 times as large");
+  const int all = options.pictures > 0 ? options.pictures : range.count();
+  const int width = options.width * options.supersample, height = options.height * options.supersample;
+  const RenderTarget target(width, height);
+  GeometryImageRenderer renderer;
+  Orbit orbit = first_orbit(options, header.box);
+  const double floor_to_target = mean_height(header, range) + header.box.center().z();
+  int shown = -1;
+  for (int picture = 0; picture < all; ++picture) {
+    if (options.stop.stop_requested()) return picture;
+    const int frame = range.first + picture % range.count();
+    if (frame != shown) renderer.upload(video.read(frame));
+    shown = frame;
+    orbit.target = place_of(header, range, frame) + header.box.center();
+    orbit.target.z() = floor_to_target;
+    target.bind();
+    clear(options.background);
+    renderer.draw(orbit.viewpoint(width, height), options.draw);
+    film.write(reduce(target.read_rgba(), options.supersample));
+    orbit.turn(2.0 * std::numbers::pi * options.turns / all, 0.0);
+    if (options.progress) options.progress(picture + 1, all);
+  }
+  film.finish();
+  return all;
+}
+
+cv::Mat reduce(const cv::Mat& rgba, int factor) {
+  if (factor == 1) return rgba;
+  cv::Mat small(rgba.rows / factor, rgba.cols / factor, CV_8UC4);
+  for (int row = 0; row < small.rows; ++row)
+    for (int column = 0; column < small.cols; ++column) {
+      cv::Vec4i sum{};  // colours weighted by their alpha
+      for (int y = row * factor; y < (row + 1) * factor; ++y)
+        for (int x = column * factor; x < (column + 1) * factor; ++x) {
+          const auto& pixel = rgba.at<cv::Vec4b>(y, x);
+          for (int i = 0; i < 3; ++i) sum[i] += pixel[i] * pixel[3];
+          sum[3] += pixel[3];
+        }
+      auto& pixel = small.at<cv::Vec4b>(row, column);
+      for (int i = 0; i < 3; ++i)
+        pixel[i] = sum[3] > 0 ? static_cast<std::uint8_t>((sum[i] + sum[3] / 2) / sum[3]) : std::uint8_t{0};
+      pixel[3] = static_cast<std::uint8_t>((sum[3] + factor * factor / 2) / (factor * factor));
+    }
+  return small;
+}
+
+}  // namespace rotunda::playback
