@@ -50,10 +50,15 @@ struct ReceivedFrame {
 
 class AravisClient {
  public:
-  explicit AravisClient(const std::string& address, int packet_size = 1500) {
+  // Opens the camera as it is.
+  explicit AravisClient(const std::string& address) {
     AravisError error;
     camera_.reset(arv_camera_new(address.c_str(), error));
     error.check("open " + address);
+  }
+  // Opens it as its controller and says how to stream.
+  AravisClient(const std::string& address, int packet_size) : AravisClient(address) {
+    AravisError error;
     arv_camera_gv_set_packet_size_adjustment(camera(), ARV_GV_PACKET_SIZE_ADJUSTMENT_NEVER);
     arv_camera_gv_set_stream_options(camera(), ARV_GV_STREAM_OPTION_PACKET_SOCKET_DISABLED);
     arv_camera_gv_set_packet_size(camera(), packet_size, error);
@@ -63,6 +68,8 @@ class AravisClient {
     stream_.reset();
     camera_.reset();
   }
+
+  bool is_controller() const { return arv_gv_device_is_controller(ARV_GV_DEVICE(device())); }
 
   ArvCamera* camera() const { return ARV_CAMERA(camera_.get()); }
   ArvDevice* device() const { return arv_camera_get_device(camera()); }
@@ -113,15 +120,23 @@ class AravisClient {
     set("TriggerMode", "On");
   }
 
-  // Ten buffers; the stream's socket may hold a few frames, so that a busy machine loses none.
-  void start() {
+  struct StreamOptions {
+    std::chrono::microseconds frame_retention{200'000};  // Aravis gives a frame up after that
+    int buffers = 10;
+  };
+
+  // The stream's socket may hold a few frames, the first included, so that a busy machine loses none.
+  void start() { start(StreamOptions{}); }
+  void start(const StreamOptions& options) {
     AravisError error;
     stream_.reset(arv_camera_create_stream(camera(), nullptr, nullptr, error));
     error.check("create stream");
-    g_object_set(stream(), "socket-buffer", ARV_GV_STREAM_SOCKET_BUFFER_FIXED, "socket-buffer-size", 1 << 20, nullptr);
+    g_object_set(stream(), "socket-buffer", ARV_GV_STREAM_SOCKET_BUFFER_FIXED, "socket-buffer-size", 4 << 20,
+                 "frame-retention", static_cast<guint>(options.frame_retention.count()), nullptr);
+    enlarge_socket_buffer();
     const auto bytes = arv_camera_get_payload(camera(), error);
     error.check("payload");
-    for (int i = 0; i < 10; ++i) arv_stream_push_buffer(stream(), arv_buffer_new(bytes, nullptr));
+    for (int i = 0; i < options.buffers; ++i) arv_stream_push_buffer(stream(), arv_buffer_new(bytes, nullptr));
     arv_camera_start_acquisition(camera(), error);
     error.check("start");
   }
@@ -148,8 +163,31 @@ class AravisClient {
   }
 
  private:
+  // Aravis sets the buffer's size when the first packet is there, too late for the rest of the first frame.
+  void enlarge_socket_buffer() {
+    const auto port = arv_gv_stream_get_port(ARV_GV_STREAM(stream()));
+    for (int fd = 3; fd < 1024; ++fd) {
+      sockaddr_in local{};
+      socklen_t size = sizeof local;
+      if (getsockname(fd, reinterpret_cast<sockaddr*>(&local), &size) != 0 || ntohs(local.sin_port) != port) continue;
+      const int bytes = 4 << 20;
+      setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &bytes, sizeof bytes);
+    }
+  }
+
   std::unique_ptr<void, Unreference> camera_, stream_;
 };
+
+// What a shell command prints.
+inline std::string output_of(const std::string& command) {
+  std::string output;
+  FILE* pipe = popen(command.c_str(), "r");
+  if (pipe == nullptr) throw std::runtime_error("cannot run " + command);
+  std::array<char, 512> buffer{};
+  while (fgets(buffer.data(), buffer.size(), pipe) != nullptr) output += buffer.data();
+  pclose(pipe);
+  return output;
+}
 
 // Broadcasts ACTION_CMD on the loopback with the cameras' power-up keys and collects the acknowledgements.
 class ActionSender {
