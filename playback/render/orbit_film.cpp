@@ -5,38 +5,18 @@
 #include <numbers>
 
 #include "config/errors.h"
+#include "playback/performer_place.h"
 #include "playback/render/geometry_image_renderer.h"
 
 namespace rotunda::playback {
 namespace {
 
-struct Range {
-  int first, last;
-  int count() const { return last - first; }
-};
-
-Range range_of(const OrbitFilmOptions& options, int frames) {
-  const Range range{options.first_frame, options.last_frame < 0 ? frames : options.last_frame};
+FrameRange range_of(const OrbitFilmOptions& options, int frames) {
+  const FrameRange range{options.first_frame, options.last_frame < 0 ? frames : options.last_frame};
   if (range.first < 0 || range.last > frames || range.count() < 1)
     throw InvalidInput(
         fmt::format("frames {}:{} are not in the video, which has 0:{}", range.first, range.last, frames));
   return range;
-}
-
-// The performer's place on the floor, evened out over half a second: the eye does not bob with each step.
-Eigen::Vector3d place_of(const recon::GeometryVideoHeader& header, const Range& range, int frame) {
-  const int reach = static_cast<int>(std::lround(0.25 * header.fps));
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  int count = 0;
-  for (int i = std::max(range.first, frame - reach); i < std::min(range.last, frame + reach + 1); ++i, ++count)
-    sum += header.root_path[static_cast<std::size_t>(i)];
-  return sum / count;
-}
-
-double mean_height(const recon::GeometryVideoHeader& header, const Range& range) {
-  double sum = 0.0;
-  for (int i = range.first; i < range.last; ++i) sum += header.root_path[static_cast<std::size_t>(i)].z();
-  return sum / range.count();
 }
 
 Orbit first_orbit(const OrbitFilmOptions& options, const Eigen::AlignedBox3d& box) {
@@ -51,7 +31,7 @@ Orbit first_orbit(const OrbitFilmOptions& options, const Eigen::AlignedBox3d& bo
 
 int render_orbit(recon::GeometryVideoReader& video, const OrbitFilmOptions& options, FilmWriter& film) {
   const recon::GeometryVideoHeader& header = video.header();
-  const Range range = range_of(options, header.frame_count());
+  const FrameRange range = range_of(options, header.frame_count());
   if (options.supersample < 1 || options.supersample > 4 || options.width < 1 || options.height < 1)
     throw InvalidInput("a film needs a size, and is drawn 1 to 4 times as large");
   const int all = options.pictures > 0 ? options.pictures : range.count();
@@ -59,15 +39,13 @@ int render_orbit(recon::GeometryVideoReader& video, const OrbitFilmOptions& opti
   const RenderTarget target(width, height);
   GeometryImageRenderer renderer;
   Orbit orbit = first_orbit(options, header.box);
-  const double floor_to_target = mean_height(header, range) + header.box.center().z();
   int shown = -1;
   for (int picture = 0; picture < all; ++picture) {
     if (options.stop.stop_requested()) return picture;
     const int frame = range.first + picture % range.count();
     if (frame != shown) renderer.upload(video.read(frame));
     shown = frame;
-    orbit.target = place_of(header, range, frame) + header.box.center();
-    orbit.target.z() = floor_to_target;
+    orbit.target = performer_place(header, range, frame);
     target.bind();
     clear(options.background);
     renderer.draw(orbit.viewpoint(width, height), options.draw);

@@ -1,0 +1,120 @@
+#include "playback/display/window.h"
+
+#include <optional>
+#include <utility>
+
+#define GLFW_INCLUDE_NONE
+#include <GLES3/gl3.h>
+#include <GLFW/glfw3.h>
+
+#include "config/errors.h"
+
+namespace rotunda::playback {
+namespace {
+
+[[noreturn]] void fail(const std::string& what) {
+  const char* reason = nullptr;
+  glfwGetError(&reason);
+  throw DeviceError("display", what + (reason ? std::string(" (") + reason + ")" : ""));
+}
+
+std::optional<Key> key_of(int glfw_key) {
+  static constexpr std::pair<int, Key> kKeys[] = {
+      {GLFW_KEY_LEFT, Key::left},   {GLFW_KEY_RIGHT, Key::right},    {GLFW_KEY_UP, Key::up},
+      {GLFW_KEY_DOWN, Key::down},   {GLFW_KEY_SPACE, Key::space},    {GLFW_KEY_EQUAL, Key::plus},
+      {GLFW_KEY_KP_ADD, Key::plus}, {GLFW_KEY_MINUS, Key::minus},    {GLFW_KEY_KP_SUBTRACT, Key::minus},
+      {GLFW_KEY_PERIOD, Key::next}, {GLFW_KEY_COMMA, Key::previous}, {GLFW_KEY_HOME, Key::home},
+      {GLFW_KEY_G, Key::grey},      {GLFW_KEY_Q, Key::quit},         {GLFW_KEY_ESCAPE, Key::quit}};
+  for (const auto& [number, key] : kKeys)
+    if (number == glfw_key) return key;
+  return std::nullopt;
+}
+
+}  // namespace
+
+struct Window::Handles {
+  GLFWwindow* window = nullptr;
+  WindowInput input;
+  double last_x = 0.0, last_y = 0.0;  // of the mouse, screen coordinates
+
+  static Handles& of(GLFWwindow* window) { return *static_cast<Handles*>(glfwGetWindowUserPointer(window)); }
+
+  static void on_key(GLFWwindow* window, int key, int, int action, int) {
+    const auto known = key_of(key);
+    if (known && action != GLFW_RELEASE) of(window).input.keys.push_back(*known);
+  }
+  static void on_scroll(GLFWwindow* window, double, double notches) { of(window).input.scroll += notches; }
+  static void on_mouse(GLFWwindow* window, double x, double y) {
+    Handles& handles = of(window);
+    int width = 1, height = 1;
+    glfwGetWindowSize(window, &width, &height);
+    if (glfwGetMouseButton(window, GLFW_MOUSE_BUTTON_LEFT) == GLFW_PRESS && height > 0) {
+      handles.input.drag_x += (x - handles.last_x) / height;
+      handles.input.drag_y += (y - handles.last_y) / height;
+    }
+    handles.last_x = x;
+    handles.last_y = y;
+  }
+};
+
+Window::Window(const WindowOptions& options) : handles_(std::make_unique<Handles>()) {
+  if (!glfwInit()) fail("no display: set DISPLAY, or use `rotunda render` to make a film instead");
+  glfwWindowHint(GLFW_CLIENT_API, GLFW_OPENGL_ES_API);
+  glfwWindowHint(GLFW_CONTEXT_CREATION_API, GLFW_EGL_CONTEXT_API);
+  glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
+  glfwWindowHint(GLFW_DEPTH_BITS, 24);
+  GLFWmonitor* monitor = options.fullscreen ? glfwGetPrimaryMonitor() : nullptr;
+  const GLFWvidmode* mode = monitor ? glfwGetVideoMode(monitor) : nullptr;
+  handles_->window = glfwCreateWindow(mode ? mode->width : options.width, mode ? mode->height : options.height,
+                                      options.title.c_str(), monitor, nullptr);
+  if (!handles_->window) {
+    const char* reason = nullptr;
+    glfwGetError(&reason);
+    const std::string told = reason ? reason : "no reason given";
+    glfwTerminate();
+    throw DeviceError("display", "no window with OpenGL ES 3: " + told);
+  }
+  glfwSetWindowUserPointer(handles_->window, handles_.get());
+  glfwSetKeyCallback(handles_->window, Handles::on_key);
+  glfwSetScrollCallback(handles_->window, Handles::on_scroll);
+  glfwSetCursorPosCallback(handles_->window, Handles::on_mouse);
+  glfwMakeContextCurrent(handles_->window);
+  glfwSwapInterval(1);
+}
+
+Window::~Window() {
+  glfwDestroyWindow(handles_->window);
+  glfwTerminate();
+}
+
+bool Window::is_open() const {
+  return !glfwWindowShouldClose(handles_->window);
+}
+
+int Window::width() const {
+  int width = 0, height = 0;
+  glfwGetFramebufferSize(handles_->window, &width, &height);
+  return width;
+}
+
+int Window::height() const {
+  int width = 0, height = 0;
+  glfwGetFramebufferSize(handles_->window, &width, &height);
+  return height;
+}
+
+void Window::bind() const {
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  glViewport(0, 0, width(), height());
+}
+
+void Window::present() {
+  glfwSwapBuffers(handles_->window);
+  glfwPollEvents();
+}
+
+WindowInput Window::take_input() {
+  return std::exchange(handles_->input, {});
+}
+
+}  // namespace rotunda::playback

@@ -1,0 +1,30 @@
+#pragma once
+// Plays a geometry video in a window, over and over, seen by an eye that the operator turns about the performer.
+// Keys: space pauses; arrows and the dragged mouse go round; + - and the wheel zoom; . and , step a frame; Home looks
+// from the front again; g shows the bare shape in grey; q or Esc ends.
+#include <stop_token>
+
+#include "recon/video/geometry_video.h"
+
+namespace rotunda::playback {
+
+struct PlayOptions {
+  int width = 1280, height = 720;  // pixels
+  bool fullscreen = false;
+  int level = 0;           // of detail; 0: the video's own
+  long picture_limit = 0;  // pictures drawn before it ends by itself; 0: none
+  std::stop_token stop;
+};
+
+struct PlayReport {
+  long pictures = 0;     // drawn in the window
+  long frames = 0;       // of the video shown
+  long late = 0;         // pictures that had to show an older frame, as the right one was not yet decoded
+  double seconds = 0.0;  // from the first picture to the last
+};
+
+// Returns when the window is closed, the operator quits, or it is asked to stop. Call it on the program's first thread.
+// Throws DeviceError without a display, and what the reader throws.
+PlayReport play(recon::GeometryVideoReader& video, const PlayOptions& options = {});
+
+}  // namespace rotunda::playback
