@@ -1,0 +1,233 @@
+#include "capture/sync/frame_set_assembler.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+
+#include "config/errors.h"
+
+namespace rotunda::capture {
+namespace {
+
+using namespace std::chrono_literals;
+using std::chrono::nanoseconds;
+
+constexpr nanoseconds period = 40ms;
+const TriggerGrid grid{Timestamp(1000s), period};
+
+AssemblerOptions options_for(std::vector<CameraId> cameras, std::optional<std::uint64_t> triggers) {
+  return {std::move(cameras), grid, triggers, 100ms, std::nullopt};
+}
+
+Frame frame_of(const CameraId& camera, std::uint64_t trigger, nanoseconds off = 0ns) {
+  Frame frame;
+  frame.camera = camera;
+  frame.exposure_start = grid.time_of(trigger) + off;
+  return frame;
+}
+
+TEST(FrameSetAssembler, EmitsASetAsSoonAsItsLastFrameIsIn) {
+  FrameSetAssembler assembler(options_for({"a", "b"}, 3));
+  EXPECT_TRUE(assembler.add(frame_of("a", 0), grid.time_of(0)).empty());
+  const auto sets = assembler.add(frame_of("b", 0, 3us), grid.time_of(0) + 5ms);
+  ASSERT_EQ(sets.size(), 1u);
+  EXPECT_TRUE(sets[0].complete());
+  EXPECT_EQ(sets[0].time, grid.time_of(0));
+  EXPECT_EQ(sets[0].slots[1].frame->camera, "b");
+}
+
+TEST(FrameSetAssembler, GroupsByTimeWhateverTheOrderOfArrivalAndNumbersTheFrames) {
+  FrameSetAssembler assembler(options_for({"a", "b"}, 2));
+  const Timestamp now = grid.time_of(1) + 1ms;
+  assembler.add(frame_of("a", 1), now);
+  assembler.add(frame_of("b", 0), now);
+  EXPECT_TRUE(assembler.add(frame_of("b", 1), now).empty()) << "set 1 is complete but set 0 leaves first";
+  const auto sets = assembler.add(frame_of("a", 0), now);
+  ASSERT_EQ(sets.size(), 2u);
+  for (std::uint64_t k : {0, 1}) {
+    EXPECT_EQ(sets[k].trigger, k);
+    for (const auto& slot : sets[k].slots) EXPECT_EQ(slot.frame->trigger, k);
+  }
+  EXPECT_TRUE(assembler.done());
+}
+
+TEST(FrameSetAssembler, ClosesAtTheDeadlineWithTheReasonForEveryHole) {
+  FrameSetAssembler assembler(options_for({"a", "b", "c", "d"}, 1));
+  const Timestamp now = grid.time_of(0) + 1ms;
+  assembler.add(frame_of("a", 0), now);
+  assembler.add_loss("b", grid.time_of(0), now);
+  assembler.set_absent("c", true, now);
+  EXPECT_TRUE(assembler.advance(grid.time_of(0) + 100ms - 1ns).empty());
+  EXPECT_EQ(assembler.next_deadline(), grid.time_of(0) + 100ms);
+  const auto sets = assembler.advance(grid.time_of(0) + 100ms);
+  ASSERT_EQ(sets.size(), 1u);
+  EXPECT_TRUE(sets[0].slots[0].frame);
+  EXPECT_EQ(sets[0].slots[1].missing_because, "packets lost");
+  EXPECT_EQ(sets[0].slots[2].missing_because, "camera absent");
+  EXPECT_EQ(sets[0].slots[3].missing_because, "late");
+  EXPECT_EQ(assembler.counts().incomplete, 1u);
+}
+
+TEST(FrameSetAssembler, DoesNotWaitForCamerasThatAreAbsentOrLostTheirFrame) {
+  FrameSetAssembler assembler(options_for({"a", "b", "c"}, 1));
+  const Timestamp now = grid.time_of(0) + 1ms;
+  assembler.set_absent("c", true, now);
+  assembler.add_loss("b", grid.time_of(0), now);
+  EXPECT_EQ(assembler.add(frame_of("a", 0), now).size(), 1u);
+}
+
+TEST(FrameSetAssembler, CountsLateDuplicateAndStrayFrames) {
+  FrameSetAssembler assembler(options_for({"a", "b"}, 2));
+  const Timestamp now = grid.time_of(1) + 1ms;
+  assembler.add(frame_of("a", 1), now);
+  assembler.add(frame_of("a", 1, 1us), now);
+  assembler.advance(grid.time_of(0) + 100ms);  // set 0 leaves empty
+  assembler.add(frame_of("b", 0), grid.time_of(0) + 101ms);
+  assembler.add(frame_of("b", 2), grid.time_of(2));  // after the take
+  assembler.add(frame_of("b", 0, -25ms), now);       // before it
+  const auto& counts = assembler.counts();
+  EXPECT_EQ(counts.cameras[0].duplicate, 1u);
+  EXPECT_EQ(counts.cameras[1].late, 1u);
+  EXPECT_EQ(counts.cameras[1].off_grid, 2u);
+  EXPECT_EQ(counts.cameras[1].missing_in_a_row, 1u);
+}
+
+TEST(FrameSetAssembler, LeavesFramesBetweenTriggersAloneWhenATighterToleranceIsSet) {
+  auto options = options_for({"a"}, 2);
+  options.tolerance = 2ms;
+  FrameSetAssembler assembler(options);
+  EXPECT_TRUE(assembler.add(frame_of("a", 0, 3ms), grid.time_of(0) + 5ms).empty());
+  EXPECT_EQ(assembler.add(frame_of("a", 0, -2ms), grid.time_of(0) + 5ms).size(), 1u);
+  EXPECT_EQ(assembler.counts().cameras[0].off_grid, 1u);
+}
+
+TEST(FrameSetAssembler, ACameraWhoseClockRunsAheadPilesNothingUp) {
+  FrameSetAssembler assembler(options_for({"a"}, std::nullopt));
+  for (std::uint64_t k = 0; k < 50; ++k) EXPECT_TRUE(assembler.add(frame_of("a", 1000 + k), grid.time_of(0)).empty());
+  EXPECT_EQ(assembler.counts().cameras[0].off_grid, 50u);
+  EXPECT_TRUE(assembler.finish().empty());
+}
+
+TEST(FrameSetAssembler, FinishClosesEveryTriggerOfTheTake) {
+  FrameSetAssembler counted(options_for({"a"}, 4)), open_ended(options_for({"a"}, std::nullopt));
+  counted.add(frame_of("a", 0), grid.time_of(0));
+  EXPECT_EQ(counted.finish().size(), 3u);
+  EXPECT_EQ(counted.next_deadline(), std::nullopt);
+  open_ended.add(frame_of("a", 2), grid.time_of(2));
+  EXPECT_EQ(open_ended.finish().size(), 3u) << "up to the last trigger that anything came for";
+}
+
+TEST(FrameSetAssembler, RefusesWhatCannotWork) {
+  EXPECT_THROW(FrameSetAssembler(options_for({}, 1)), InvalidInput);
+  EXPECT_THROW(FrameSetAssembler(options_for({"a", "a"}, 1)), InvalidInput);
+  auto no_deadline = options_for({"a"}, 1);
+  no_deadline.deadline = 0ns;
+  EXPECT_THROW(FrameSetAssembler{no_deadline}, InvalidInput);
+  FrameSetAssembler assembler(options_for({"a"}, 1));
+  EXPECT_THROW(assembler.add(frame_of("z", 0), grid.time_of(0)), InvalidInput);
+}
+
+// One random take: what each camera does with each trigger, as events in order of arrival.
+struct Event {
+  Timestamp arrival;
+  std::size_t camera = 0;
+  std::uint64_t trigger = 0;
+  bool lost = false;
+  nanoseconds jitter{};
+};
+
+struct RandomTake {
+  std::size_t cameras = 0;
+  std::uint64_t triggers = 0;
+  std::vector<bool> absent;
+  std::vector<Event> events;
+};
+
+RandomTake random_take(std::mt19937& random) {
+  const auto between = [&](int low, int high) { return std::uniform_int_distribution(low, high)(random); };
+  RandomTake take;
+  take.cameras = static_cast<std::size_t>(between(1, 5));
+  take.triggers = static_cast<std::uint64_t>(between(1, 8));
+  for (std::size_t c = 0; c < take.cameras; ++c) {
+    take.absent.push_back(between(0, 9) == 0);
+    for (std::uint64_t k = 0; k < take.triggers && !take.absent[c]; ++k) {
+      const int fate = between(0, 99);
+      if (fate < 8) continue;  // never comes
+      const nanoseconds jitter(between(-19999999, 19999999));
+      const nanoseconds delay(between(0, 100) < 90 ? between(0, 60000000) : between(60000000, 300000000));
+      take.events.push_back({grid.time_of(k) + jitter + delay, c, k, fate < 16, jitter});
+      if (fate > 94) take.events.push_back({grid.time_of(k) + jitter + delay * 2, c, k, false, jitter});
+    }
+  }
+  std::sort(take.events.begin(), take.events.end(),
+            [](const Event& a, const Event& b) { return a.arrival < b.arrival; });
+  return take;
+}
+
+std::vector<FrameSet> play(FrameSetAssembler& assembler, const RandomTake& take, std::mt19937& random) {
+  std::vector<FrameSet> all;
+  const auto keep = [&](std::vector<FrameSet> sets) {
+    for (auto& set : sets) all.push_back(std::move(set));
+  };
+  for (std::size_t c = 0; c < take.cameras; ++c)
+    if (take.absent[c]) keep(assembler.set_absent(std::to_string(c), true, grid.start - 1s));
+  for (const Event& event : take.events) {
+    if (random() % 3 == 0) keep(assembler.advance(event.arrival));
+    const auto name = std::to_string(event.camera);
+    if (event.lost)
+      keep(assembler.add_loss(name, grid.time_of(event.trigger) + event.jitter, event.arrival));
+    else
+      keep(assembler.add(frame_of(name, event.trigger, event.jitter), event.arrival));
+  }
+  keep(assembler.finish());
+  return all;
+}
+
+TEST(FrameSetAssembler, EveryTriggerLeavesOnceInOrderAndEveryFrameIsAccountedForInTenThousandRandomTakes) {
+  std::mt19937 random(20260716);
+  for (int round = 0; round < 10000; ++round) {
+    const RandomTake take = random_take(random);
+    std::vector<CameraId> names;
+    for (std::size_t c = 0; c < take.cameras; ++c) names.push_back(std::to_string(c));
+    FrameSetAssembler assembler(options_for(names, take.triggers));
+    const auto sets = play(assembler, take, random);
+
+    ASSERT_EQ(sets.size(), take.triggers) << "round " << round;
+    std::uint64_t complete = 0;
+    for (std::uint64_t k = 0; k < sets.size(); ++k) {
+      ASSERT_EQ(sets[k].trigger, k);
+      ASSERT_EQ(sets[k].slots.size(), take.cameras);
+      complete += sets[k].complete();
+      for (std::size_t c = 0; c < take.cameras; ++c) {
+        const auto& [frame, why] = sets[k].slots[c];
+        ASSERT_EQ(frame.has_value(), why.empty());
+        if (frame) {
+          ASSERT_EQ(frame->camera, names[c]);
+          ASSERT_EQ(frame->trigger, k);
+          ASSERT_LE(std::chrono::abs(frame->exposure_start - grid.time_of(k)), period / 2);
+        } else {
+          ASSERT_EQ(why == "camera absent", take.absent[c]);
+        }
+      }
+    }
+    ASSERT_EQ(assembler.counts().complete, complete);
+    ASSERT_EQ(assembler.counts().incomplete, take.triggers - complete);
+    for (std::size_t c = 0; c < take.cameras; ++c) {
+      const auto& counts = assembler.counts().cameras[c];
+      const auto sent = std::count_if(take.events.begin(), take.events.end(),
+                                      [c](const Event& event) { return event.camera == c && !event.lost; });
+      ASSERT_EQ(counts.in_sets + counts.late + counts.duplicate + counts.off_grid, static_cast<std::uint64_t>(sent));
+      ASSERT_EQ(counts.in_sets + counts.missing, take.triggers);
+    }
+    // A frame that came before its set's deadline, the first of its trigger, is in it.
+    for (const Event& event : take.events)
+      if (!event.lost && event.arrival < grid.time_of(event.trigger) + 100ms) {
+        const auto& slot = sets[event.trigger].slots[event.camera];
+        ASSERT_TRUE(slot.frame) << "round " << round << ": a frame in time was left out";
+      }
+  }
+}
+
+}  // namespace
+}  // namespace rotunda::capture
