@@ -1,0 +1,32 @@
+#pragma once
+// Opening a GenICam camera and writing its settings, each read back: what the camera does not take is a DeviceError
+// that names the camera, its answer and what to do.
+#include <string>
+
+#include "capture/source/aravis_handle.h"
+#include "capture/source/source.h"
+
+namespace rotunda::capture {
+
+// Throws DeviceError if nobody answers, or if another program controls the camera.
+GRef<ArvCamera> open_camera(const SourceSettings& settings);
+
+// Image size, pixel format, exposure, gain, trigger. The answer's warnings are empty.
+SourceDescription configure_camera(ArvCamera* camera, const SourceSettings& settings);
+
+// How a GigE Vision camera's packets come to us. Throws DeviceError if the asked packet size does not fit the link.
+struct StreamChannel {
+  int packet_size = 0;
+  bool packet_socket = false;
+  bool on_loopback = false;
+};
+StreamChannel configure_stream_channel(ArvCamera* camera, const SourceSettings& settings);
+
+void start_acquisition(ArvCamera* camera, const SourceSettings& settings);
+void stop_acquisition(ArvCamera* camera, const SourceSettings& settings);
+void fire_software_trigger(ArvCamera* camera, const SourceSettings& settings);
+std::size_t payload_bytes(ArvCamera* camera, const SourceSettings& settings);
+GRef<ArvStream> create_stream(ArvCamera* camera, const SourceSettings& settings, ArvStreamCallback callback,
+                              void* user_data);
+
+}  // namespace rotunda::capture

@@ -1,0 +1,273 @@
+#include "capture/source/aravis_source.h"
+
+#include <fmt/format.h>
+#include <pthread.h>
+#include <sched.h>
+
+#include <algorithm>
+#include <atomic>
+#include <mutex>
+#include <utility>
+
+#include "capture/source/aravis_camera.h"
+#include "capture/source/buffer_pool.h"
+#include "capture/source/stream_socket.h"
+
+namespace rotunda::capture {
+
+namespace {
+
+constexpr int stream_thread_priority = 10;  // of SCHED_RR: late packets are lost packets
+
+class AravisSource final : public Source {
+ public:
+  explicit AravisSource(SourceSettings settings) : settings_(std::move(settings)) {}
+  AravisSource(const AravisSource&) = delete;
+  AravisSource& operator=(const AravisSource&) = delete;
+  ~AravisSource() override { close(); }
+
+  void open() override;
+  void arm() override;
+  void start(FrameSink frames, IncompleteSink incomplete) override;
+  void stop() override;
+  void software_trigger() override;
+  void close() noexcept override;
+
+  SourceState state() const override { return state_; }
+  SourceStats stats() const override;
+  SourceDescription description() const override;
+
+ private:
+  static void on_control_lost(ArvGvDevice*, gpointer self);
+  static void on_stream(void* self, ArvStreamCallbackType type, ArvBuffer* buffer) noexcept;
+
+  void require(SourceState needed, const char* verb) const;  // throws unless so
+  void become(SourceState next);
+  void set_sinks(FrameSink frames, IncompleteSink incomplete);
+  void tune(ArvStream* stream) const;
+  void cure_socket_buffer(ArvStream* stream);
+  void hand_on(ArvBuffer* buffer);
+  bool is_whole(ArvBuffer* buffer) const;
+  Frame frame_in(ArvBuffer* buffer, const std::uint8_t* data);
+
+  const SourceSettings settings_;
+  std::atomic<SourceState> state_{SourceState::closed};
+  std::atomic<std::uint64_t> frames_{0};
+  std::atomic<std::uint64_t> incomplete_{0};
+
+  mutable std::mutex mutex_;  // guards what stats() and description() show
+  SourceDescription description_;
+  StreamChannel channel_;
+  int socket_buffer_bytes_ = 0;
+
+  std::mutex sink_mutex_;  // held while a sink is called, so that stop() can promise silence
+  FrameSink frame_sink_;
+  IncompleteSink incomplete_sink_;
+
+  GRef<ArvCamera> camera_;
+  GRef<ArvStream> stream_;
+  std::shared_ptr<BufferPool> pool_;
+};
+
+void AravisSource::require(SourceState needed, const char* verb) const {
+  const SourceState now = state_;
+  if (now == needed) return;
+  if (now == SourceState::lost)
+    throw DeviceError(settings_.camera, settings_.device + " was lost; it must be closed and opened again");
+  throw InvalidInput(fmt::format("{}: a camera that is {} cannot be {}", settings_.camera, to_string(now), verb));
+}
+
+// The heartbeat thread may tell of the loss in between: then that stays.
+void AravisSource::become(SourceState next) {
+  SourceState now = state_;
+  do {
+    if (now == SourceState::lost) require(next, "");
+    checked_transition(now, next, settings_.camera);
+  } while (!state_.compare_exchange_strong(now, next));
+}
+
+void AravisSource::open() {
+  require(SourceState::closed, "opened");
+  camera_ = open_camera(settings_);
+  become(SourceState::open);
+  if (arv_camera_is_gv_device(camera_.get()))
+    g_signal_connect(arv_camera_get_device(camera_.get()), "control-lost", G_CALLBACK(on_control_lost), this);
+}
+
+// On Aravis' heartbeat thread, six seconds or so after the camera has gone.
+void AravisSource::on_control_lost(ArvGvDevice*, gpointer self) {
+  static_cast<AravisSource*>(self)->state_ = SourceState::lost;
+}
+
+void AravisSource::arm() {
+  require(SourceState::open, "armed");
+  SourceDescription description = configure_camera(camera_.get(), settings_);
+  const StreamChannel channel = configure_stream_channel(camera_.get(), settings_);
+  const std::size_t payload = payload_bytes(camera_.get(), settings_);
+  {
+    const std::lock_guard lock(mutex_);
+    description_ = std::move(description);
+    channel_ = channel;
+  }
+  GRef<ArvStream> stream = create_stream(camera_.get(), settings_, on_stream, this);
+  tune(stream.get());
+  if (ARV_IS_GV_STREAM(stream.get())) cure_socket_buffer(stream.get());
+  pool_ = std::make_shared<BufferPool>(stream.get(), payload, settings_.buffers, settings_.buffers_at_most);
+  {
+    const std::lock_guard lock(mutex_);
+    stream_ = std::move(stream);
+  }
+  pool_->top_up();
+  become(SourceState::armed);
+}
+
+// Resend of lost packets is on where the camera can. A frame still short of packets must be given up before the next
+// one is due, or it holds up those behind it.
+void AravisSource::tune(ArvStream* stream) const {
+  arv_stream_set_emit_signals(stream, FALSE);
+  if (!ARV_IS_GV_STREAM(stream)) return;
+  // Size 0: Aravis shall not touch what cure_socket_buffer() sets.
+  g_object_set(stream, "socket-buffer", ARV_GV_STREAM_SOCKET_BUFFER_FIXED, "socket-buffer-size", 0, nullptr);
+  if (!settings_.frame_rate_hz) return;
+  const double period_us = 1e6 / *settings_.frame_rate_hz;
+  const auto retention_us = static_cast<guint>(std::min(0.875 * period_us, 1e6));
+  const auto retry_us = static_cast<guint>(std::clamp(0.125 * period_us, 1e3, 20e3));
+  g_object_set(stream, "frame-retention", retention_us, "packet-timeout", retry_us, nullptr);
+}
+
+void AravisSource::cure_socket_buffer(ArvStream* stream) {
+  const int granted = set_receive_buffer(arv_gv_stream_get_port(ARV_GV_STREAM(stream)), wanted_socket_buffer_bytes);
+  const std::lock_guard lock(mutex_);
+  socket_buffer_bytes_ = granted;
+  if (granted < wanted_socket_buffer_bytes)
+    description_.warnings.push_back(
+        fmt::format("the stream's socket buffer is {} bytes where {} were asked: packets may be lost; run sysctl -w "
+                    "net.core.rmem_max={}",
+                    granted, wanted_socket_buffer_bytes, wanted_socket_buffer_bytes));
+}
+
+void AravisSource::set_sinks(FrameSink frames, IncompleteSink incomplete) {
+  const std::lock_guard lock(sink_mutex_);
+  frame_sink_ = std::move(frames);
+  incomplete_sink_ = std::move(incomplete);
+}
+
+void AravisSource::start(FrameSink frames, IncompleteSink incomplete) {
+  require(SourceState::armed, "started");
+  set_sinks(std::move(frames), std::move(incomplete));  // before the camera starts: the first frame counts
+  start_acquisition(camera_.get(), settings_);
+  become(SourceState::streaming);
+}
+
+void AravisSource::stop() {
+  require(SourceState::streaming, "stopped");
+  set_sinks({}, {});
+  stop_acquisition(camera_.get(), settings_);
+  become(SourceState::armed);
+}
+
+void AravisSource::software_trigger() {
+  require(SourceState::streaming, "triggered");
+  fire_software_trigger(camera_.get(), settings_);
+}
+
+void AravisSource::close() noexcept {
+  set_sinks({}, {});
+  if (camera_ && state_ == SourceState::streaming) arv_camera_stop_acquisition(camera_.get(), nullptr);
+  if (pool_) pool_->close();
+  GRef<ArvStream> stream;
+  {
+    const std::lock_guard lock(mutex_);
+    stream = std::move(stream_);
+    socket_buffer_bytes_ = 0;
+  }
+  stream.reset();  // joins the stream thread
+  pool_.reset();
+  if (camera_) g_signal_handlers_disconnect_by_data(arv_camera_get_device(camera_.get()), this);
+  camera_.reset();
+  state_ = SourceState::closed;
+}
+
+void AravisSource::on_stream(void* self, ArvStreamCallbackType type, ArvBuffer*) noexcept {
+  auto& source = *static_cast<AravisSource*>(self);
+  if (type == ARV_STREAM_CALLBACK_TYPE_INIT) {
+    pthread_setname_np(pthread_self(), source.settings_.camera.substr(0, 15).c_str());
+    const sched_param priority{.sched_priority = stream_thread_priority};
+    pthread_setschedparam(pthread_self(), SCHED_RR, &priority);  // where the system allows it
+  } else if (type == ARV_STREAM_CALLBACK_TYPE_BUFFER_DONE) {
+    if (ArvBuffer* buffer = arv_stream_try_pop_buffer(source.stream_.get())) source.hand_on(buffer);
+    source.pool_->top_up();
+  }
+}
+
+bool AravisSource::is_whole(ArvBuffer* buffer) const {
+  return arv_buffer_get_status(buffer) == ARV_BUFFER_STATUS_SUCCESS &&
+         arv_buffer_get_image_width(buffer) == description_.width &&
+         arv_buffer_get_image_height(buffer) == description_.height;
+}
+
+Frame AravisSource::frame_in(ArvBuffer* buffer, const std::uint8_t* data) {
+  const Timestamp start{std::chrono::nanoseconds(arv_buffer_get_timestamp(buffer))};
+  Image image{description_.width, description_.height, description_.format, pool_->lend(buffer, data)};
+  return {settings_.camera, 0, start, description_.exposure, std::move(image)};
+}
+
+void AravisSource::hand_on(ArvBuffer* buffer) {
+  const std::lock_guard lock(sink_mutex_);
+  std::size_t bytes = 0;
+  const void* data = is_whole(buffer) ? arv_buffer_get_image_data(buffer, &bytes) : nullptr;
+  const Image expected{description_.width, description_.height, description_.format, nullptr};
+  if (data && bytes >= expected.size_bytes()) {
+    Frame frame = frame_in(buffer, static_cast<const std::uint8_t*>(data));
+    ++frames_;
+    if (frame_sink_) frame_sink_(std::move(frame));
+    return;
+  }
+  const std::uint64_t time = arv_buffer_get_timestamp(buffer);
+  pool_->give_back(buffer);
+  ++incomplete_;
+  if (incomplete_sink_)
+    incomplete_sink_(
+        {settings_.camera, time ? std::optional(Timestamp(std::chrono::nanoseconds(time))) : std::nullopt});
+}
+
+SourceStats AravisSource::stats() const {
+  const std::lock_guard lock(mutex_);
+  SourceStats stats;
+  stats.frames = frames_;
+  stats.incomplete = incomplete_;
+  stats.socket_buffer_bytes = socket_buffer_bytes_;
+  stats.packet_size = channel_.packet_size;
+  stats.packet_socket = channel_.packet_socket;
+  if (!stream_) return stats;
+  const auto told = [this](const char* name) { return arv_stream_get_info_uint64_by_name(stream_.get(), name); };
+  stats.underruns = told("n_underruns");
+  if (!ARV_IS_GV_STREAM(stream_.get())) return stats;
+  stats.resend_requests = told("n_resend_requests");
+  stats.missing_packets = told("n_missing_packets");
+  return stats;
+}
+
+SourceDescription AravisSource::description() const {
+  const std::lock_guard lock(mutex_);
+  return description_;
+}
+
+}  // namespace
+
+std::unique_ptr<Source> make_aravis_source(const SourceSettings& settings) {
+  return std::make_unique<AravisSource>(settings);
+}
+
+std::vector<DiscoveredCamera> discover_aravis_cameras() {
+  const auto text = [](const char* told) { return std::string(told ? told : ""); };
+  arv_update_device_list();
+  std::vector<DiscoveredCamera> cameras;
+  for (unsigned i = 0; i < arv_get_n_devices(); ++i)
+    cameras.push_back({"aravis", text(arv_get_device_address(i)), text(arv_get_device_serial_nbr(i)), "",
+                       text(arv_get_device_vendor(i)), text(arv_get_device_model(i)),
+                       text(arv_get_device_physical_id(i))});
+  return cameras;
+}
+
+}  // namespace rotunda::capture

@@ -1,0 +1,11 @@
+#pragma once
+// GenICam cameras (GigE Vision, and USB3 Vision as far as Aravis goes) through unmodified Aravis 0.8.
+// Pixels are handed on where Aravis put them: the buffer goes back to the stream when the last reader lets go.
+#include "capture/source/source.h"
+
+namespace rotunda::capture {
+
+std::unique_ptr<Source> make_aravis_source(const SourceSettings& settings);
+std::vector<DiscoveredCamera> discover_aravis_cameras();
+
+}  // namespace rotunda::capture

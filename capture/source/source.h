@@ -1,0 +1,118 @@
+#pragma once
+// One camera, real or simulated, as the daemon sees it: opened, armed, streaming, lost. Kinds of source are rows of one
+// table in source.cpp. Frames come with the camera's own time of exposure start (nanoseconds; TAI when the camera
+// follows the rig's clock) and leave Frame::trigger to the FrameSetAssembler.
+// Device calls (open, arm, start, stop, close, software_trigger) block up to seconds when a camera does not answer:
+// call them from one thread per camera, never from a control loop. state(), stats() and description() never block and
+// may be called from any thread.
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "capture/frame.h"
+
+namespace rotunda::capture {
+
+enum class SourceState { closed, open, armed, streaming, lost };
+std::string_view to_string(SourceState state);
+
+// closed -open-> open -arm-> armed -start-> streaming -stop-> armed; close from anywhere; lost from any but closed.
+bool may_follow(SourceState from, SourceState to);
+// Returns `to`; throws InvalidInput naming camera and states if it may not follow.
+SourceState checked_transition(SourceState from, SourceState to, const CameraId& camera);
+
+enum class TriggerMode { freerun, software, action };
+std::string_view to_string(TriggerMode mode);
+
+struct SourceSettings {
+  CameraId camera;
+  std::string kind = "aravis";
+  std::string device;  // IP address, serial number, user name or MAC
+  int width = 0;       // pixels; 0: as the camera has it
+  int height = 0;
+  PixelFormat format = PixelFormat::bayer_rg8;
+  std::optional<double> exposure_us;  // nothing: as the camera has it
+  std::optional<double> gain_db;
+  std::optional<double> frame_rate_hz;  // of the camera in freerun, else of the triggers
+  int packet_size = 0;                  // bytes with IP and UDP headers; 0: fits the link's MTU
+  TriggerMode trigger = TriggerMode::freerun;
+  std::uint32_t device_key = 0;  // for TriggerMode::action
+  std::uint32_t group_key = 0;
+  std::uint32_t group_mask = 0;
+  int buffers = 16;          // ready for the camera at any time
+  int buffers_at_most = 64;  // with those that readers hold on to; beyond it frames are lost and counted as underruns
+};
+
+struct SourceStats {
+  std::uint64_t frames = 0;      // handed on
+  std::uint64_t incomplete = 0;  // came with packets missing, or not as agreed
+  std::uint64_t resend_requests = 0;
+  std::uint64_t missing_packets = 0;  // of incomplete frames, from the first gap on: an upper bound
+  std::uint64_t underruns = 0;        // packets that found no buffer
+  int socket_buffer_bytes = 0;        // granted; 0 until armed
+  int packet_size = 0;
+  bool packet_socket = false;
+};
+
+// What the camera answered when asked after arming.
+struct SourceDescription {
+  std::string vendor;
+  std::string model;
+  std::string serial;
+  std::string address;
+  int width = 0;
+  int height = 0;
+  PixelFormat format = PixelFormat::mono8;
+  std::chrono::nanoseconds exposure{};  // 0: the camera does not tell
+  std::vector<std::string> warnings;    // what works, but not as well as it should, and the cure
+};
+
+// A frame that came, but not whole.
+struct IncompleteFrame {
+  CameraId camera;
+  std::optional<Timestamp> exposure_start;  // when its first packet came
+};
+
+// Both are called on the camera's stream thread, and must only pass things on. Neither may call the source.
+using FrameSink = std::function<void(Frame&&)>;
+using IncompleteSink = std::function<void(const IncompleteFrame&)>;
+
+class Source {
+ public:
+  virtual ~Source() = default;
+
+  // Each throws InvalidInput when called in the wrong state, DeviceError when the camera does not play along.
+  virtual void open() = 0;
+  virtual void arm() = 0;  // writes the settings, reads them back, makes the buffers ready
+  virtual void start(FrameSink frames, IncompleteSink incomplete = {}) = 0;
+  virtual void stop() = 0;              // no sink is called after it returns
+  virtual void software_trigger() = 0;  // while streaming, TriggerMode::software
+  virtual void close() noexcept = 0;    // frames that readers hold stay good
+
+  virtual SourceState state() const = 0;  // lost: the camera went away; close it, then open it anew
+  virtual SourceStats stats() const = 0;
+  virtual SourceDescription description() const = 0;
+};
+
+// Throws InvalidInput for a kind there is no row for, naming those there are.
+std::unique_ptr<Source> make_source(const SourceSettings& settings);
+std::vector<std::string> source_kinds();
+
+struct DiscoveredCamera {
+  std::string kind;
+  std::string address;
+  std::string serial;
+  std::string user_name;
+  std::string vendor;
+  std::string model;
+  std::string mac;
+};
+
+// Every camera that answers, of every kind, sorted by kind and address. Takes a second or so.
+std::vector<DiscoveredCamera> discover_cameras();
+
+}  // namespace rotunda::capture

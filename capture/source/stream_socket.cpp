@@ -1,0 +1,83 @@
+#include "capture/source/stream_socket.h"
+
+#include <arpa/inet.h>
+#include <ifaddrs.h>
+#include <net/if.h>
+#include <netinet/in.h>
+#include <sys/ioctl.h>
+#include <sys/socket.h>
+
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <system_error>
+
+#include "capture/base/unique_fd.h"
+
+namespace rotunda::capture {
+
+namespace {
+
+bool is_udp_on_port(int fd, std::uint16_t port) {
+  int type = 0;
+  socklen_t length = sizeof type;
+  if (::getsockopt(fd, SOL_SOCKET, SO_TYPE, &type, &length) != 0 || type != SOCK_DGRAM) return false;
+  sockaddr_in name{};
+  length = sizeof name;
+  return ::getsockname(fd, reinterpret_cast<sockaddr*>(&name), &length) == 0 && name.sin_family == AF_INET &&
+         ntohs(name.sin_port) == port;
+}
+
+std::optional<int> udp_socket_on_port(std::uint16_t port) {
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd", error)) {
+    const int fd = std::atoi(entry.path().filename().c_str());
+    if (is_udp_on_port(fd, port)) return fd;
+  }
+  return std::nullopt;
+}
+
+// Name of the interface with this address; "127.0.0.7" is the loopback's as well as "127.0.0.1".
+std::string interface_with(const std::string& address) {
+  in_addr wanted{};
+  if (inet_pton(AF_INET, address.c_str(), &wanted) != 1) return "";
+  ifaddrs* list = nullptr;
+  if (::getifaddrs(&list) != 0) return "";
+  const std::unique_ptr<ifaddrs, void (*)(ifaddrs*)> owner(list, ::freeifaddrs);
+  for (const ifaddrs* one = list; one; one = one->ifa_next) {
+    if (!one->ifa_addr || one->ifa_addr->sa_family != AF_INET) continue;
+    const auto here = reinterpret_cast<const sockaddr_in*>(one->ifa_addr)->sin_addr.s_addr;
+    const bool loopback = (one->ifa_flags & IFF_LOOPBACK) != 0 && ntohl(wanted.s_addr) >> 24 == 127;
+    if (here == wanted.s_addr || loopback) return one->ifa_name;
+  }
+  return "";
+}
+
+}  // namespace
+
+int set_receive_buffer(std::uint16_t port, int bytes) {
+  const auto fd = udp_socket_on_port(port);
+  if (!fd) return 0;
+  if (::setsockopt(*fd, SOL_SOCKET, SO_RCVBUFFORCE, &bytes, sizeof bytes) != 0)
+    ::setsockopt(*fd, SOL_SOCKET, SO_RCVBUF, &bytes, sizeof bytes);  // what is granted is read back below
+  int booked = 0;
+  socklen_t length = sizeof booked;
+  return ::getsockopt(*fd, SOL_SOCKET, SO_RCVBUF, &booked, &length) == 0 ? booked / 2 : 0;
+}
+
+int mtu_of_interface(const std::string& address) {
+  const std::string name = interface_with(address);
+  const UniqueFd fd(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+  if (name.empty() || !fd) return 0;
+  ifreq request{};
+  std::strncpy(request.ifr_name, name.c_str(), IFNAMSIZ - 1);
+  return ::ioctl(fd.get(), SIOCGIFMTU, &request) == 0 ? request.ifr_mtu : 0;
+}
+
+bool may_open_packet_socket() {
+  return static_cast<bool>(UniqueFd(::socket(AF_PACKET, SOCK_RAW | SOCK_CLOEXEC, 0)));
+}
+
+}  // namespace rotunda::capture

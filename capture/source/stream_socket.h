@@ -1,0 +1,21 @@
+#pragma once
+// The UDP socket a GigE Vision stream receives on. Aravis sets its buffer only once the first packet is in, so that the
+// first frame is lost; we find the socket by its port and set the buffer before the camera starts.
+#include <cstdint>
+#include <string>
+
+namespace rotunda::capture {
+
+inline constexpr int wanted_socket_buffer_bytes = 4 << 20;
+
+// Sets SO_RCVBUF (SO_RCVBUFFORCE where allowed) of this process's UDP socket bound to `port`; returns the bytes granted
+// as asked for (half of what the kernel books), or 0 if no such socket was found.
+int set_receive_buffer(std::uint16_t port, int bytes);
+
+// MTU of the interface with this IPv4 address, or 0 if there is none.
+int mtu_of_interface(const std::string& address);
+
+// Whether this process may open packet sockets (CAP_NET_RAW).
+bool may_open_packet_socket();
+
+}  // namespace rotunda::capture
