@@ -31,15 +31,6 @@ AvCodec make_codec(const AVCodec* codec, const char* name, const char* kind) {
   return owned<AvCodec>(avcodec_alloc_context3(codec));
 }
 
-// What FFmpeg prints to stderr says nothing our exceptions do not say with the file's name.
-void quieten() {
-  static const bool once = [] {
-    av_log_set_level(AV_LOG_FATAL);
-    return true;
-  }();
-  static_cast<void>(once);
-}
-
 }  // namespace
 
 void AvInputClose::operator()(AVFormatContext* input) const noexcept {
@@ -65,8 +56,12 @@ void SwsFree::operator()(SwsContext* scaler) const noexcept {
   sws_freeContext(scaler);
 }
 
+void keep_av_quiet() {
+  av_log_set_level(AV_LOG_FATAL);
+}
+
 AvInput open_input(const std::filesystem::path& file) {
-  quieten();
+  keep_av_quiet();
   AVFormatContext* input = nullptr;
   // "file:" keeps a colon in the name from being taken for a protocol.
   check(avformat_open_input(&input, ("file:" + file.string()).c_str(), nullptr, nullptr), file.string());
@@ -74,7 +69,7 @@ AvInput open_input(const std::filesystem::path& file) {
 }
 
 AvOutput open_output(const std::filesystem::path& file, const char* muxer) {
-  quieten();
+  keep_av_quiet();
   AVFormatContext* context = nullptr;
   const std::string url = "file:" + file.string();
   check(avformat_alloc_output_context2(&context, nullptr, muxer, url.c_str()), file.string());
@@ -91,12 +86,12 @@ AvPacket make_packet() {
 }
 
 AvCodec make_encoder(const char* name) {
-  quieten();
+  keep_av_quiet();
   return make_codec(avcodec_find_encoder_by_name(name), name, "encoder");
 }
 
 AvCodec make_decoder(const char* name) {
-  quieten();
+  keep_av_quiet();
   return make_codec(avcodec_find_decoder_by_name(name), name, "decoder");
 }
 

@@ -41,6 +41,10 @@ using AvFrame = std::unique_ptr<AVFrame, AvFrameFree>;
 using AvPacket = std::unique_ptr<AVPacket, AvPacketFree>;
 using AvScaler = std::unique_ptr<SwsContext, SwsFree>;
 
+// From now on FFmpeg prints nothing to stderr but its last words: what it says there, exceptions say here, with the
+// file's name. open_input, open_output and make_encoder/_decoder do this themselves.
+void keep_av_quiet();
+
 // Opens a media file and reads its header (not its streams: avformat_find_stream_info is the caller's choice).
 // Throws std::system_error (cannot open) or CorruptData (not a media file), both with the file's name.
 AvInput open_input(const std::filesystem::path& file);

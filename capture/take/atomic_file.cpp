@@ -46,6 +46,11 @@ void sync_folder(const std::filesystem::path& folder) {
   if (::fsync(directory.fd()) != 0) fail(folder);
 }
 
+void sync_filesystem(const std::filesystem::path& folder) {
+  const OpenFile directory(folder, O_RDONLY | O_DIRECTORY);
+  if (::syncfs(directory.fd()) != 0) fail(folder);
+}
+
 void replace_file(const std::filesystem::path& file, std::string_view text) {
   auto temporary = file;
   temporary += ".new";

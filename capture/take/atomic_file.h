@@ -8,5 +8,7 @@ namespace rotunda::capture {
 
 void replace_file(const std::filesystem::path& file, std::string_view text);
 void sync_folder(const std::filesystem::path& folder);
+// Everything written so far to the file system that holds `folder`.
+void sync_filesystem(const std::filesystem::path& folder);
 
 }  // namespace rotunda::capture

@@ -119,6 +119,7 @@ class SkippingInput {
 };
 
 AvInput open_matroska(AVIOContext* io, const fs::path& file) {
+  keep_av_quiet();
   AVFormatContext* input = avformat_alloc_context();
   if (input == nullptr) throw std::bad_alloc();
   input->pb = io;

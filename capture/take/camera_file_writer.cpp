@@ -114,6 +114,7 @@ class OutputFile {
 };
 
 AvOutput make_matroska(AVIOContext* io) {
+  keep_av_quiet();
   AVFormatContext* context = nullptr;
   check(avformat_alloc_output_context2(&context, nullptr, "matroska", nullptr), "Matroska muxer");
   AvOutput output(context);
