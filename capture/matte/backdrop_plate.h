@@ -1,0 +1,23 @@
+#pragma once
+// The plate: what the backdrop alone would look like in a picture. From a clean plate (a picture of the empty studio),
+// or fitted to the picture itself: a smooth surface through its backdrop-coloured pixels.
+#include <opencv2/core.hpp>
+
+namespace rotunda::capture {
+
+enum class Backdrop { blue, green };
+
+// The share of a picture (CV_8UC3, RGB) whose hue is the backdrop's, 0 to 1.
+double backdrop_share(const cv::Mat& rgb, Backdrop backdrop);
+
+// ln(channel + kLogOffset) of the plate, CV_32FC3 in RGB order, as a fifth-order polynomial in x and y fitted to the
+// backdrop-coloured pixels with outliers thrown out (residual above 0.25, then 0.12). Empty if they are fewer than 2 %
+// of the picture: then there is no backdrop to speak of.
+cv::Mat fit_plate(const cv::Mat& rgb, Backdrop backdrop);
+
+// Keeps logarithms of dark pixels from following the sensor's noise; grey levels.
+constexpr float kLogOffset = 3.0F;
+// ln(channel + kLogOffset) of a picture, CV_32FC3.
+cv::Mat log_picture(const cv::Mat& rgb);
+
+}  // namespace rotunda::capture

@@ -1,0 +1,29 @@
+#pragma once
+// The blue (or green) screen key: the performer's soft outline in one picture. ALGORITHMS step 2.
+// Shadow on blue paint gets bluer, never less blue: a pixel belongs to the performer where red or green have gained on
+// blue against the plate; only in the dark, where cloth and hair lose their hue, does the limit follow brightness.
+// Around that outline a local two-colour matte finds the edge to a fraction of a pixel.
+#include <opencv2/core.hpp>
+
+#include "capture/matte/backdrop_plate.h"
+#include "capture/matte/matte.h"
+
+namespace rotunda::capture {
+
+enum class KeyMethod {
+  automatic,  // chroma where the picture (or its background) shows the backdrop's colour, else difference
+  chroma,
+  difference  // against a background picture of any colour; shadows on it come along
+};
+
+struct ChromaKeyOptions {
+  Backdrop backdrop = Backdrop::blue;
+  KeyMethod method = KeyMethod::automatic;
+};
+
+// `rgb` CV_8UC3; `background` the empty studio in the same picture, or empty: then the plate is fitted to `rgb` itself.
+// The matte is empty (alpha 0) where nothing tells the performer from the backdrop. Throws InvalidInput if the sizes
+// or types differ, or for KeyMethod::difference without a background.
+Matte chroma_key(const cv::Mat& rgb, const ChromaKeyOptions& options = {}, const cv::Mat& background = {});
+
+}  // namespace rotunda::capture

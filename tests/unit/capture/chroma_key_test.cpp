@@ -1,0 +1,133 @@
+#include "capture/matte/chroma_key.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "config/errors.h"
+
+namespace rotunda::capture {
+namespace {
+
+constexpr int kWidth = 320, kHeight = 240;
+constexpr int kSupersampling = 8;
+const cv::Point2d kCentre(161.3, 118.6);
+constexpr double kRadius = 50.4;
+
+float to_srgb(float linear) {
+  return 255.0F * (linear <= 0.0031308F ? 12.92F * linear : 1.055F * std::pow(linear, 1.0F / 2.4F) - 0.055F);
+}
+
+struct Scene {
+  cv::Vec3f cloth{0.30F, 0.12F, 0.10F};     // linear light
+  cv::Vec3f backdrop{0.02F, 0.06F, 0.30F};  // blue paint
+  double shadow_below = 0.0;                // how much of the light the floor under the disc loses
+  double noise = 1.5;                       // grey levels, standard deviation
+};
+
+double disc_coverage(int x, int y) {
+  int inside = 0;
+  for (int j = 0; j < kSupersampling; ++j)
+    for (int i = 0; i < kSupersampling; ++i)
+      inside += std::hypot(x + (i + 0.5) / kSupersampling - 0.5 - kCentre.x,
+                           y + (j + 0.5) / kSupersampling - 0.5 - kCentre.y) < kRadius;
+  return static_cast<double>(inside) / (kSupersampling * kSupersampling);
+}
+
+// A disc of cloth before an unevenly lit backdrop; the pixels mix in linear light, as a lens does.
+cv::Mat picture_of(const Scene& scene, bool with_disc = true) {
+  cv::Mat rgb(kHeight, kWidth, CV_8UC3);
+  cv::RNG random(7);
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x) {
+      const float light = 1.0F - 0.3F * static_cast<float>(x) / kWidth;
+      const float shadow = y > 175 ? 1.0F - static_cast<float>(scene.shadow_below) : 1.0F;
+      const float a = with_disc ? static_cast<float>(disc_coverage(x, y)) : 0.0F;
+      for (int c = 0; c < 3; ++c) {
+        const float value = a * scene.cloth[c] + (1.0F - a) * scene.backdrop[c] * light * shadow;
+        rgb.at<cv::Vec3b>(y, x)[c] = cv::saturate_cast<std::uint8_t>(to_srgb(value) + random.gaussian(scene.noise));
+      }
+    }
+  return rgb;
+}
+
+double area_of(const Matte& matte) {
+  return cv::sum(matte.alpha)[0] / 255.0;
+}
+
+// The sub-pixel outline: mean distance from the centre at which alpha crosses one half, along 360 rays.
+double outline_radius(const Matte& matte) {
+  double sum = 0.0;
+  for (int degree = 0; degree < 360; ++degree) {
+    const double angle = degree * CV_PI / 180.0;
+    double before = 255.0;
+    for (double r = kRadius - 8.0; r < kRadius + 8.0; r += 0.05) {
+      cv::Mat sample;
+      cv::getRectSubPix(
+          matte.alpha, {1, 1},
+          {static_cast<float>(kCentre.x + r * std::cos(angle)), static_cast<float>(kCentre.y + r * std::sin(angle))},
+          sample, CV_32F);
+      const double here = sample.at<float>(0, 0);
+      if (before >= 127.5 && here < 127.5) {
+        sum += r;
+        break;
+      }
+      before = here;
+    }
+  }
+  return sum / 360.0;
+}
+
+void expect_the_disc(const Matte& matte) {
+  EXPECT_NEAR(outline_radius(matte), kRadius, 0.25);  // a quarter of a pixel of bias would cost 1.5 mm on a body
+  const auto moments = cv::moments(matte.alpha);
+  EXPECT_NEAR(moments.m10 / moments.m00, kCentre.x, 0.1);
+  EXPECT_NEAR(moments.m01 / moments.m00, kCentre.y, 0.1);
+}
+
+}  // namespace
+
+TEST(ChromaKey, FindsADiscOfClothWithoutBiasAndWithoutAPlate) {
+  expect_the_disc(chroma_key(picture_of({})));
+}
+
+TEST(ChromaKey, FindsItWithACleanPlate) {
+  expect_the_disc(chroma_key(picture_of({}), {}, picture_of({}, /*with_disc=*/false)));
+}
+
+TEST(ChromaKey, HoldsGreyAndDarkCloth) {
+  expect_the_disc(chroma_key(picture_of({.cloth = {0.2F, 0.2F, 0.2F}})));
+  expect_the_disc(chroma_key(picture_of({.cloth = {0.012F, 0.011F, 0.011F}})));
+}
+
+TEST(ChromaKey, LeavesShadowOnTheBackdropToTheBackdrop) {
+  const auto matte = chroma_key(picture_of({.shadow_below = 0.5}), {}, picture_of({}, false));
+  EXPECT_LT(cv::sum(matte.alpha.rowRange(185, kHeight))[0] / 255.0, 20.0);  // of 17600 pixels
+}
+
+TEST(ChromaKey, FindsNobodyInAnEmptyStudio) {
+  EXPECT_LT(area_of(chroma_key(picture_of({}, false))), 1.0);
+}
+
+TEST(ChromaKey, KeysGreenAsWell) {
+  expect_the_disc(chroma_key(picture_of({.backdrop = {0.03F, 0.30F, 0.05F}}), {.backdrop = Backdrop::green}));
+}
+
+TEST(ChromaKey, KeysByDifferenceWhereTheBackdropHasNoColour) {
+  const Scene grey{.cloth = {0.5F, 0.2F, 0.1F}, .backdrop = {0.2F, 0.2F, 0.2F}};
+  const auto matte = chroma_key(picture_of(grey), {}, picture_of(grey, false));
+  EXPECT_NEAR(area_of(matte), CV_PI * kRadius * kRadius, 0.03 * CV_PI * kRadius * kRadius);
+}
+
+TEST(ChromaKey, IsEmptyWhereNothingTellsThePerformerFromTheBackdrop) {
+  const Scene grey{.backdrop = {0.2F, 0.2F, 0.2F}};
+  EXPECT_EQ(area_of(chroma_key(picture_of(grey))), 0.0);
+}
+
+TEST(ChromaKey, RefusesABackgroundOfAnotherSize) {
+  EXPECT_THROW(chroma_key(picture_of({}), {}, cv::Mat(10, 10, CV_8UC3)), InvalidInput);
+  EXPECT_THROW(chroma_key(picture_of({}), {.method = KeyMethod::difference}), InvalidInput);
+}
+
+}  // namespace rotunda::capture
