@@ -1,16 +1,15 @@
 #include "recon/mesh/triangle_mesh.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <numeric>
 #include <unordered_map>
-
-#include <Eigen/Geometry>
 
 namespace rotunda::recon {
 namespace {
 
 struct EdgeUse {
-  int forward = 0;   // from the lower to the higher index
+  int forward = 0;  // from the lower to the higher index
   int backward = 0;
 };
 
@@ -119,8 +118,7 @@ void compute_normals(TriangleMesh& mesh) {
 
 double signed_volume(const TriangleMesh& mesh) {
   double sum = 0.0;
-  for (const auto& t : mesh.triangles)
-    sum += mesh.positions[t[0]].cast<double>().dot(area_vector(mesh, t)) / 3.0;
+  for (const auto& t : mesh.triangles) sum += mesh.positions[t[0]].cast<double>().dot(area_vector(mesh, t)) / 3.0;
   return sum;
 }
 

@@ -1,0 +1,230 @@
+#include "recon/hull/marching_cubes.h"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <unordered_map>
+#include <vector>
+
+namespace rotunda::recon {
+namespace {
+
+// Corners of a cube are numbered x + 2 y + 4 z. An edge is its lower corner and its axis, numbered 3 corner + axis.
+constexpr int kEdges = 24;  // numbers in use are those whose lower corner has a 0 on the axis
+using Loop = std::vector<int>;
+using Table = std::array<std::vector<std::array<int, 3>>, 256>;
+
+int edge_between(int a, int b) {
+  const int axis = (a ^ b) >> 1;  // 1, 2, 4 to 0, 1, 2
+  return 3 * std::min(a, b) + axis;
+}
+
+// Corners of each face, counter-clockwise seen from outside of the cube.
+std::array<std::array<int, 4>, 6> make_faces() {
+  std::array<std::array<int, 4>, 6> faces{};
+  for (int axis = 0; axis < 3; ++axis) {
+    const int n = 1 << axis, u = 1 << ((axis + 1) % 3), v = 1 << ((axis + 2) % 3);
+    faces[static_cast<std::size_t>(2 * axis)] = {0, v, u | v, u};
+    faces[static_cast<std::size_t>(2 * axis + 1)] = {n, n | u, n | u | v, n | v};
+  }
+  return faces;
+}
+
+// Walking round a face, every run of outside corners is cut off from the rest by a segment from the crossing where the
+// walk comes back inside to the one where it left: insides are joined. Each crossing starts one segment and ends one.
+std::array<int, kEdges> segments_of(int inside) {
+  std::array<int, kEdges> next{};
+  next.fill(-1);
+  for (const auto& face : make_faces())
+    for (std::size_t i = 0; i < 4; ++i) {
+      const auto corner = [&](std::size_t k) { return face[(i + k) % 4]; };
+      const auto in = [&](std::size_t k) { return ((inside >> corner(k)) & 1) != 0; };
+      if (!in(0) || in(1)) continue;
+      std::size_t back = 2;
+      while (!in(back)) ++back;
+      next[static_cast<std::size_t>(edge_between(corner(back - 1), corner(back)))] = edge_between(corner(0), corner(1));
+    }
+  return next;
+}
+
+std::vector<Loop> loops_of(int inside) {
+  auto next = segments_of(inside);
+  std::vector<Loop> loops;
+  for (std::size_t start = 0; start < kEdges; ++start) {
+    Loop loop;
+    for (auto at = start; next[at] >= 0;) {
+      loop.push_back(static_cast<int>(at));
+      const auto following = static_cast<std::size_t>(next[at]);
+      next[at] = -1;
+      at = following;
+    }
+    if (!loop.empty()) loops.push_back(loop);
+  }
+  return loops;
+}
+
+// Two cube edges on one face: a diagonal between them could meet the neighbouring cube's in that face.
+bool share_a_face(int a, int b) {
+  const int corner_a = a / 3, corner_b = b / 3, free = (1 << (a % 3)) | (1 << (b % 3));
+  return ((~(corner_a ^ corner_b)) & ~free & 7) != 0;
+}
+
+// Triangulation of loop[first..last] with the fewest diagonals that lie in a face.
+int triangulate(const Loop& loop, std::size_t first, std::size_t last, std::vector<std::array<int, 3>>& triangles) {
+  if (last - first < 2) return 0;
+  int best = std::numeric_limits<int>::max();
+  std::vector<std::array<int, 3>> best_triangles;
+  for (std::size_t apex = first + 1; apex < last; ++apex) {
+    std::vector<std::array<int, 3>> tried{{loop[first], loop[apex], loop[last]}};
+    int cost = triangulate(loop, first, apex, tried) + triangulate(loop, apex, last, tried);
+    if (apex != first + 1 && share_a_face(loop[first], loop[apex])) ++cost;
+    if (apex != last - 1 && share_a_face(loop[apex], loop[last])) ++cost;
+    if (cost >= best) continue;
+    best = cost;
+    best_triangles = tried;
+  }
+  triangles.insert(triangles.end(), best_triangles.begin(), best_triangles.end());
+  return best;
+}
+
+// Two inside corners opposite through the cube: each side of one's triangle is joined to the other's crossing on the
+// third axis (an antiprism without its caps).
+std::vector<std::array<int, 3>> tube(const Loop& a, const Loop& b) {
+  std::vector<std::array<int, 3>> triangles;
+  const auto join = [&](const Loop& from, const Loop& to) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      const int u = from[i], v = from[(i + 1) % 3], third = 3 - u % 3 - v % 3;
+      const int apex = *std::find_if(to.begin(), to.end(), [third](int edge) { return edge % 3 == third; });
+      triangles.push_back({u, v, apex});
+    }
+  };
+  join(a, b);
+  join(b, a);
+  return triangles;
+}
+
+bool is_opposite_pair(int inside) {
+  return inside == 0x81 || inside == 0x42 || inside == 0x24 || inside == 0x18;
+}
+
+Table make_table() {
+  Table table;
+  for (int inside = 1; inside < 255; ++inside) {
+    auto& triangles = table[static_cast<std::size_t>(inside)];
+    const auto loops = loops_of(inside);
+    if (is_opposite_pair(inside)) {
+      triangles = tube(loops[0], loops[1]);
+      continue;
+    }
+    for (const auto& loop : loops) triangulate(loop, 0, loop.size() - 1, triangles);
+  }
+  return table;
+}
+
+// A block's samples with one more on every side.
+struct Padded {
+  static constexpr int kSide = SignedGrid::kSide + 2;
+  std::array<float, kSide * kSide * kSide> value;
+  std::array<bool, kSide * kSide * kSide> stored;
+  static std::size_t index(int x, int y, int z) {
+    return static_cast<std::size_t>((x + 1) + kSide * ((y + 1) + kSide * (z + 1)));
+  }
+};
+
+void gather(const SignedGrid& grid, std::size_t block, Padded& padded) {
+  const auto first = static_cast<VoxelId>(block * SignedGrid::kBlockSize);
+  for (int z = -1; z <= 8; ++z)
+    for (int y = -1; y <= 8; ++y)
+      for (int x = -1; x <= 8; ++x) {
+        const int cx = std::clamp(x, 0, 7), cy = std::clamp(y, 0, 7), cz = std::clamp(z, 0, 7);
+        const auto id =
+            grid.neighbour(first + static_cast<VoxelId>(cx | (cy << 3) | (cz << 6)), x - cx, y - cy, z - cz);
+        padded.value[Padded::index(x, y, z)] = grid.value(id);
+        padded.stored[Padded::index(x, y, z)] = id != kNoVoxel;
+      }
+}
+
+// A cell belongs to the block of its first stored corner; is that this block?
+bool owns_cell(const Padded& padded, int x, int y, int z) {
+  for (int c = 0; c < 8; ++c) {
+    const int cx = x + (c & 1), cy = y + ((c >> 1) & 1), cz = z + (c >> 2);
+    if (!padded.stored[Padded::index(cx, cy, cz)]) continue;
+    return ((cx | cy | cz) & ~7) == 0;
+  }
+  return false;
+}
+
+class Extraction {
+ public:
+  explicit Extraction(const SignedGrid& grid) : grid_(grid), table_(shared_table()) {
+    vertices_.reserve(grid.voxel_count() / 8);
+  }
+
+  void add_block(std::size_t block) {
+    gather(grid_, block, padded_);
+    const Eigen::Vector3i base = grid_.block(block) * SignedGrid::kSide;
+    for (int z = -1; z < 8; ++z)
+      for (int y = -1; y < 8; ++y)
+        for (int x = -1; x < 8; ++x) add_cell(base, x, y, z);
+  }
+
+  TriangleMesh take() { return std::move(mesh_); }
+
+ private:
+  static const Table& shared_table() {
+    static const Table table = make_table();
+    return table;
+  }
+
+  float value(int x, int y, int z) const { return padded_.value[Padded::index(x, y, z)]; }
+
+  void add_cell(const Eigen::Vector3i& base, int x, int y, int z) {
+    int inside = 0;
+    for (int c = 0; c < 8; ++c)
+      if (value(x + (c & 1), y + ((c >> 1) & 1), z + (c >> 2)) > 0.0F) inside |= 1 << c;
+    if (inside == 0 || inside == 255 || !owns_cell(padded_, x, y, z)) return;
+    for (const auto& triangle : table_[static_cast<std::size_t>(inside)]) {
+      std::array<std::uint32_t, 3> corners{};
+      for (std::size_t i = 0; i < 3; ++i) corners[i] = vertex_on(base, x, y, z, triangle[i]);
+      mesh_.triangles.push_back(corners);
+    }
+  }
+
+  std::uint32_t vertex_on(const Eigen::Vector3i& base, int x, int y, int z, int edge) {
+    const int corner = edge / 3, axis = edge % 3;
+    const Eigen::Vector3i low(x + (corner & 1), y + ((corner >> 1) & 1), z + (corner >> 2));
+    const Eigen::Vector3i high = low + Eigen::Vector3i::Unit(axis);
+    const Eigen::Vector3i at = base + low;
+    constexpr int kBias = 1 << 19;
+    const auto part = [](int c) { return static_cast<std::uint64_t>(c + kBias) & 0xFFFFFU; };
+    const auto key =
+        part(at.x()) | (part(at.y()) << 20) | (part(at.z()) << 40) | (static_cast<std::uint64_t>(axis) << 60);
+    const auto [entry, is_new] = vertices_.try_emplace(key, static_cast<std::uint32_t>(mesh_.positions.size()));
+    if (is_new) add_vertex(at, axis, value(low.x(), low.y(), low.z()), value(high.x(), high.y(), high.z()));
+    return entry->second;
+  }
+
+  // Kept off the samples themselves, where several crossings would meet in one point.
+  void add_vertex(const Eigen::Vector3i& low, int axis, float from, float to) {
+    constexpr double kMargin = 0.01;  // cells
+    const double crossing = static_cast<double>(from) / (static_cast<double>(from) - static_cast<double>(to));
+    const Eigen::Vector3d along = Eigen::Vector3d::Unit(axis) * std::clamp(crossing, kMargin, 1.0 - kMargin);
+    mesh_.positions.push_back((grid_.origin() + grid_.cell_size() * (low.cast<double>() + along)).cast<float>());
+  }
+
+  const SignedGrid& grid_;
+  const Table& table_;
+  Padded padded_{};
+  std::unordered_map<std::uint64_t, std::uint32_t> vertices_;
+  TriangleMesh mesh_;
+};
+
+}  // namespace
+
+TriangleMesh marching_cubes(const SignedGrid& grid) {
+  Extraction extraction(grid);
+  for (std::size_t block = 0; block < grid.block_count(); ++block) extraction.add_block(block);
+  return extraction.take();
+}
+
+}  // namespace rotunda::recon

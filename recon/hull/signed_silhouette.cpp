@@ -1,0 +1,122 @@
+#include "recon/hull/signed_silhouette.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <vector>
+
+#include "config/errors.h"
+
+namespace rotunda::recon {
+namespace {
+
+constexpr float kHalf = 127.5F;
+
+struct Segment {
+  cv::Point2f a, b;
+};
+
+float distance_to(const Segment& s, cv::Point2f p) {
+  const cv::Point2f along = s.b - s.a, from = p - s.a;
+  const float length2 = along.dot(along);
+  const float t = length2 > 0.0F ? std::clamp(from.dot(along) / length2, 0.0F, 1.0F) : 0.0F;
+  const cv::Point2f rest = from - t * along;
+  return std::sqrt(rest.dot(rest));
+}
+
+// The contour within the square of pixel centres (x..x+1, y..y+1): one or two segments. On a saddle the square's mean
+// decides which diagonal is joined.
+void add_segments(const cv::Mat& alpha, int x, int y, std::vector<Segment>& segments) {
+  constexpr std::array<std::array<int, 2>, 4> kCorner{{{0, 0}, {1, 0}, {1, 1}, {0, 1}}};
+  std::array<float, 4> value;
+  for (std::size_t i = 0; i < 4; ++i)
+    value[i] = static_cast<float>(alpha.at<std::uint8_t>(y + kCorner[i][1], x + kCorner[i][0])) - kHalf;
+  std::array<cv::Point2f, 4> crossing;
+  std::array<std::size_t, 4> side{};
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const std::size_t j = (i + 1) % 4;
+    if ((value[i] > 0.0F) == (value[j] > 0.0F)) continue;
+    const float t = value[i] / (value[i] - value[j]);
+    crossing[i] =
+        cv::Point2f(static_cast<float>(x + kCorner[i][0]) + t * static_cast<float>(kCorner[j][0] - kCorner[i][0]),
+                    static_cast<float>(y + kCorner[i][1]) + t * static_cast<float>(kCorner[j][1] - kCorner[i][1]));
+    side[count++] = i;
+  }
+  if (count == 2) segments.push_back({crossing[side[0]], crossing[side[1]]});
+  if (count != 4) return;
+  const bool joined = (value[0] + value[1] + value[2] + value[3] > 0.0F) == (value[0] > 0.0F);  // corners 0 and 2
+  const std::size_t first = joined ? 1 : 3;
+  segments.push_back({crossing[0], crossing[first]});
+  segments.push_back({crossing[2], crossing[4 - first]});
+}
+
+std::vector<Segment> contour(const cv::Mat& alpha) {
+  std::vector<Segment> segments;
+  for (int y = 0; y + 1 < alpha.rows; ++y) {
+    const auto* row = alpha.ptr<std::uint8_t>(y);
+    const auto* below = alpha.ptr<std::uint8_t>(y + 1);
+    for (int x = 0; x + 1 < alpha.cols; ++x) {
+      const int inside = (row[x] > 127) + (row[x + 1] > 127) + (below[x] > 127) + (below[x + 1] > 127);
+      if (inside != 0 && inside != 4) add_segments(alpha, x, y, segments);
+    }
+  }
+  return segments;
+}
+
+cv::Mat coarse_distance(const cv::Mat& alpha) {
+  const cv::Mat inside = alpha > 127;
+  cv::Mat to_outside, to_inside;
+  cv::distanceTransform(inside, to_outside, cv::DIST_L2, cv::DIST_MASK_PRECISE, CV_32F);
+  cv::distanceTransform(~inside, to_inside, cv::DIST_L2, cv::DIST_MASK_PRECISE, CV_32F);
+  // A picture without the other side has no distance to it: OpenCV then returns huge values; the diagonal will do.
+  const float diagonal = std::hypot(static_cast<float>(alpha.cols), static_cast<float>(alpha.rows));
+  cv::Mat distance(alpha.size(), CV_32F);
+  for (int y = 0; y < alpha.rows; ++y) {
+    const auto* out = to_outside.ptr<float>(y);
+    const auto* in = to_inside.ptr<float>(y);
+    auto* row = distance.ptr<float>(y);
+    for (int x = 0; x < alpha.cols; ++x)
+      row[x] = in[x] == 0.0F ? std::min(out[x] - 0.5F, diagonal) : -std::min(in[x] - 0.5F, diagonal);
+  }
+  return distance;
+}
+
+void splat(const Segment& segment, cv::Mat& nearest) {
+  const cv::Point2f middle = 0.5F * (segment.a + segment.b);
+  const int x0 = std::max(0, cvFloor(middle.x) - kExactBand), y0 = std::max(0, cvFloor(middle.y) - kExactBand);
+  const int x1 = std::min(nearest.cols - 1, cvCeil(middle.x) + kExactBand);
+  const int y1 = std::min(nearest.rows - 1, cvCeil(middle.y) + kExactBand);
+  for (int y = y0; y <= y1; ++y) {
+    auto* row = nearest.ptr<float>(y);
+    for (int x = x0; x <= x1; ++x)
+      row[x] = std::min(row[x], distance_to(segment, {static_cast<float>(x), static_cast<float>(y)}));
+  }
+}
+
+}  // namespace
+
+cv::Mat signed_silhouette(const capture::Matte& matte) {
+  if (matte.alpha.empty() || matte.alpha.type() != CV_8UC1)
+    throw InvalidInput("a matte must be an 8-bit grey picture with at least one pixel");
+  cv::Mat distance = coarse_distance(matte.alpha);
+  constexpr float kFar = 1e9F;
+  cv::Mat nearest(distance.size(), CV_32F, cv::Scalar(kFar));
+  for (const auto& segment : contour(matte.alpha)) splat(segment, nearest);
+  for (int y = 0; y < distance.rows; ++y) {
+    auto* row = distance.ptr<float>(y);
+    const auto* exact = nearest.ptr<float>(y);
+    for (int x = 0; x < distance.cols; ++x)
+      if (exact[x] < static_cast<float>(kExactBand)) row[x] = std::copysign(exact[x], row[x]);
+  }
+  return distance;
+}
+
+bool is_empty(const capture::Matte& matte) {
+  double most = 0.0;
+  cv::minMaxLoc(matte.alpha, nullptr, &most);
+  return most < static_cast<double>(kHalf);
+}
+
+}  // namespace rotunda::recon

@@ -1,0 +1,48 @@
+#pragma once
+// Silhouettes of one FrameSet to one closed genus-0 surface: signed hull, cut to genus 0, Marching Cubes, smoothed,
+// simplified, with normals. World frame and units (metres). ALGORITHMS step 3.
+// Pure: no files, no log; the same result on any number of threads.
+#include <Eigen/Geometry>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "capture/camera_model.h"
+#include "capture/matte/matte.h"
+#include "recon/hull/genus_cut.h"
+#include "recon/mesh/triangle_mesh.h"
+
+namespace rotunda::recon {
+
+struct SurfaceOptions {
+  std::optional<Eigen::AlignedBox3d> bounds;  // the rig's volume; searched for if not given
+  double cell_size = 0.010;                   // world units; 0: by the volume's size (default_cell_size)
+  std::string unit = "m";                     // of the calibration
+  int triangles = 20000;                      // at most; 0: all
+  int min_views = 2;
+  int tolerate_misses = 0;
+  int smoothing_rounds = 10;  // 0: none
+};
+
+struct SurfaceReport {
+  Eigen::AlignedBox3d bounds;  // searched
+  double cell_size = 0.0;      // used
+  std::size_t blocks = 0;      // of the sparse grid
+  GenusCutReport cut;
+  std::size_t extracted_triangles = 0;
+  std::size_t triangles = 0;
+  double cpu_s = 0.0;  // of the calling thread's process while it ran
+};
+
+struct SurfaceResult {
+  TriangleMesh mesh;  // empty on failure
+  SurfaceReport report;
+  std::string failure;  // empty if fine; e.g. "empty silhouette in cam03"
+};
+
+// What can happen to a frame (an empty silhouette, an empty hull) is the result's `failure`. Throws InvalidInput for
+// the caller's mistakes: spans of unequal size, fewer than two views, a matte of another size than its camera.
+SurfaceResult reconstruct_surface(std::span<const capture::CameraModel> cameras, std::span<const capture::Matte> mattes,
+                                  const SurfaceOptions& options = {});
+
+}  // namespace rotunda::recon

@@ -1,0 +1,94 @@
+#include "recon/hull/surface.h"
+
+#include <gtest/gtest.h>
+
+#include "config/errors.h"
+#include "simulator/studio/camera_layout.h"
+#include "tests/support/capsule_body.h"
+
+namespace rotunda::recon {
+namespace {
+
+std::vector<capture::CameraModel> small_rig() {
+  simulator::LayoutOptions options;
+  options.width = 160;
+  options.height = 128;
+  return simulator::camera_layout(options);
+}
+
+// Casting silhouettes takes longer than most tests: once for all.
+const std::vector<capture::Matte>& person_mattes() {
+  static const auto mattes = tests::mattes_of(tests::person(), small_rig());
+  return mattes;
+}
+
+SurfaceOptions stage() {
+  SurfaceOptions options;
+  options.bounds.emplace(Eigen::Vector3d(-1.5, -1.0, 0.0), Eigen::Vector3d(1.5, 1.0, 2.0));
+  options.cell_size = 0.03;
+  return options;
+}
+
+TEST(Surface, OfAPersonIsOneClosedSphereNearTheTruth) {
+  const auto cameras = small_rig();
+  const auto body = tests::person();
+  const auto result = reconstruct_surface(cameras, person_mattes(), stage());
+  ASSERT_EQ(result.failure, "");
+  EXPECT_TRUE(topology_of(result.mesh).is_sphere());
+  EXPECT_EQ(result.mesh.normals.size(), result.mesh.positions.size());
+  EXPECT_EQ(result.report.triangles, result.mesh.triangles.size());
+  double sum = 0.0;
+  for (const auto& p : result.mesh.positions) sum += std::abs(tests::signed_distance(body, p.cast<double>()));
+  EXPECT_LT(sum / static_cast<double>(result.mesh.positions.size()), 0.025);  // cells of 30 mm, pixels of 18 mm
+}
+
+TEST(Surface, WithHandsOnHipsIsCutToASphere) {
+  const auto cameras = small_rig();
+  const auto result = reconstruct_surface(cameras, tests::mattes_of(tests::person(true), cameras), stage());
+  ASSERT_EQ(result.failure, "");
+  EXPECT_TRUE(topology_of(result.mesh).is_sphere());
+  EXPECT_GT(result.report.cut.cut_voxels, 0U);
+}
+
+TEST(Surface, HasNoMoreTrianglesThanAsked) {
+  const auto cameras = small_rig();
+  auto options = stage();
+  options.triangles = 800;
+  const auto result = reconstruct_surface(cameras, person_mattes(), options);
+  EXPECT_LE(result.mesh.triangles.size(), 800U);
+  EXPECT_GE(result.mesh.triangles.size(), 700U);
+  EXPECT_TRUE(topology_of(result.mesh).is_sphere());
+}
+
+TEST(Surface, FindsTheVolumeItself) {
+  const auto cameras = small_rig();
+  auto options = stage();
+  options.bounds.reset();
+  const auto result = reconstruct_surface(cameras, person_mattes(), options);
+  EXPECT_EQ(result.failure, "");
+  EXPECT_TRUE(topology_of(result.mesh).is_sphere());
+}
+
+TEST(Surface, NamesTheCameraWithAnEmptySilhouette) {
+  const auto cameras = small_rig();
+  auto mattes = person_mattes();
+  mattes[3].alpha = cv::Mat::zeros(mattes[3].alpha.size(), CV_8UC1);
+  const auto result = reconstruct_surface(cameras, mattes, stage());
+  EXPECT_EQ(result.failure, "empty silhouette in cam03");
+  EXPECT_TRUE(result.mesh.triangles.empty());
+}
+
+TEST(Surface, TellsOfAnEmptyHull) {
+  const auto cameras = small_rig();
+  auto mattes = tests::mattes_of(tests::ball({0.4, 0, 1}, 0.1), cameras);
+  mattes[2] = tests::matte_of(tests::ball({-0.4, 0, 1.4}, 0.1), cameras[2]);
+  EXPECT_NE(reconstruct_surface(cameras, mattes, stage()).failure.find("empty hull"), std::string::npos);
+}
+
+TEST(Surface, RefusesMattesThatDoNotMatchTheCameras) {
+  const auto cameras = small_rig();
+  EXPECT_THROW(reconstruct_surface(cameras, {}, stage()), InvalidInput);
+}
+
+}  // namespace
+}  // namespace rotunda::recon
