@@ -1,11 +1,11 @@
 #include "simulator/studio/camera_layout.h"
 
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-
-#include <Eigen/Geometry>
-#include <fmt/format.h>
 
 #include "config/errors.h"
 
@@ -53,7 +53,8 @@ std::vector<capture::CameraModel> camera_layout(const LayoutOptions& options) {
   std::vector<capture::CameraModel> cameras;
   for (int i = 0; i < options.cameras; ++i) {
     const bool is_high = i >= ring;
-    const double azimuth = 2.0 * std::numbers::pi * (is_high ? (i - ring + 0.25) / high : static_cast<double>(i) / ring);
+    const double azimuth =
+        2.0 * std::numbers::pi * (is_high ? (i - ring + 0.25) / high : static_cast<double>(i) / ring);
     const Eigen::Vector3d centre = is_high ? high_up(azimuth, options) : on_ring(azimuth, options);
     const double fy = options.height * (centre - aim).norm() / options.subject_height;
     auto camera = look_at(centre, aim, options.width, options.height, fy / options.aspect, fy);

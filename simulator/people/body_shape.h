@@ -1,0 +1,69 @@
+#pragma once
+// The clothed body as one implicit solid in the bind pose: limbs are round cones along the bones, the trunk a stack of
+// ellipses, all joined smoothly (Bloomenthal and Shoemake, "Convolution surfaces", 1991, with the polynomial blend of
+// Quilez). Person frame, metres.
+#include <Eigen/Core>
+#include <vector>
+
+#include "simulator/people/skeleton.h"
+
+namespace rotunda::simulator {
+
+enum class Material : std::uint8_t { skin, hair, shirt, trousers, shoe, sole };
+
+struct BodyBuild {
+  double height = 1.75;      // metres, in shoes
+  double girth = 1.0;        // thickness of trunk and limbs against the height
+  double hair_volume = 1.0;  // thickness of the hair against a short cut
+  std::uint32_t seed = 1;    // of folds and of everything patterned
+};
+
+// A round cone from a to b, or an ellipsoid about a.
+struct BodyPart {
+  enum class Kind { cone, ellipsoid, trunk } kind = Kind::cone;
+  Joint joint = Joint::pelvis;
+  Material material = Material::skin;
+  Eigen::Vector3d a = Eigen::Vector3d::Zero(), b = Eigen::Vector3d::Zero();
+  double radius_a = 0.0, radius_b = 0.0;
+  Eigen::Vector3d radii = Eigen::Vector3d::Ones();    // of the ellipsoid, along x, y, z
+  Eigen::Vector3d across = Eigen::Vector3d::UnitX();  // the cone is flattened along this
+  double flatness = 1.0;                              // extent along `across` against the radius
+  double blend = 0.02;                                // of the joint with what came before, metres
+  bool open_end = false;                              // cut flat at b: a hem
+  bool carve = false;                                 // taken away instead of joined
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();   // ball that holds the part
+  double reach = 0.0;
+};
+
+// What a point of the surface belongs to, and where on that part it is.
+struct BodyPlace {
+  Material material = Material::skin;
+  Joint joint = Joint::pelvis;
+  double along = 0.0;   // metres from the part's start
+  double around = 0.0;  // radians about the part's axis
+};
+
+class BodyShape {
+ public:
+  BodyShape(const Skeleton& skeleton, const BodyBuild& build);
+  double distance(const Eigen::Vector3d& p) const;  // negative inside; true to first order near the surface
+  Eigen::Vector3d gradient(const Eigen::Vector3d& p) const;
+  BodyPlace place_of(const Eigen::Vector3d& p) const;  // of the nearest part
+  // How closed in a point of the surface is by the body itself: 1 open, 0 buried (Evans 2006: distance field sampled
+  // along the normal).
+  double openness(const Eigen::Vector3d& p, const Eigen::Vector3d& normal) const;
+  const BodyBuild& build() const { return build_; }
+
+ private:
+  double part_distance(const BodyPart& part, const Eigen::Vector3d& p) const;
+  double trunk_distance(const Eigen::Vector3d& p) const;
+  double fold(const Eigen::Vector3d& p) const;
+
+  BodyBuild build_;
+  std::vector<BodyPart> parts_;
+};
+
+// The parts of a body, in the order in which they are joined.
+std::vector<BodyPart> body_parts(const Skeleton& skeleton, const BodyBuild& build);
+
+}  // namespace rotunda::simulator

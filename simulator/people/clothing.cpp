@@ -1,0 +1,242 @@
+#include "simulator/people/clothing.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "simulator/people/solid_noise.h"
+
+namespace rotunda::simulator {
+namespace {
+
+using Eigen::Vector3d;
+
+Vector3d rgb(const recon::Colour& colour) {
+  return Vector3d(colour[0], colour[1], colour[2]) / 255.0;
+}
+Vector3d mix(const Vector3d& a, const Vector3d& b, double t) {
+  return a + (b - a) * std::clamp(t, 0.0, 1.0);
+}
+
+// 1 within `half` of zero, falling to 0 over `soft`.
+double band(double x, double half, double soft) {
+  return std::clamp((half + soft - std::abs(x)) / soft, 0.0, 1.0);
+}
+double step_up(double x, double soft) {
+  return std::clamp(x / soft * 0.5 + 0.5, 0.0, 1.0);
+}
+// Distance from the nearest multiple of `period`.
+double from_line(double x, double period) {
+  return x - period * std::round(x / period);
+}
+double disc(double dx, double dy, double radius, double soft) {
+  return band(std::hypot(dx, dy), radius, soft);
+}
+
+struct Spot {
+  const Clothing& clothing;
+  Vector3d p;  // person frame, metres, scaled to a height of 1.75 m
+  BodyPlace place;
+  std::uint32_t seed;
+  double grain(double size, std::uint32_t channel) const { return solid_noise(p / size, seed + channel); }
+};
+
+bool on_trunk(const Spot& spot) {
+  const Joint j = spot.place.joint;
+  return j == Joint::pelvis || j == Joint::spine || j == Joint::chest || j == Joint::neck;
+}
+
+// Coordinates of the cloth: along the garment and round it, in metres.
+Eigen::Vector2d cloth_coordinates(const Spot& spot) {
+  if (on_trunk(spot)) return {spot.p.z(), std::atan2(spot.p.y(), spot.p.x() + 0.01) * 0.15};
+  return {spot.place.along, spot.place.around * 0.055};
+}
+
+Vector3d plaid(const Spot& spot, const Eigen::Vector2d& uv) {
+  const Clothing& wear = spot.clothing;
+  const double period = wear.check;
+  double dark = 0.0, light = 0.0;
+  for (const double x : {uv.x(), uv.y()}) {
+    dark += 0.5 * band(from_line(x, period), 0.26 * period, 0.003);
+    light = std::max(light, band(from_line(x - 0.5 * period, period), 0.0018, 0.0018));
+    light = std::max(light, 0.5 * band(from_line(x - 0.18 * period, period), 0.0012, 0.0015));
+  }
+  Vector3d colour = mix(rgb(wear.shirt), rgb(wear.shirt_check), 0.9 * dark);
+  colour = mix(colour, rgb(wear.shirt_line), 0.8 * light);
+  const double twill = std::sin((uv.x() + uv.y()) * 2.0 * std::numbers::pi / 0.0055);
+  return colour * (1.0 + 0.10 * twill + 0.16 * spot.grain(0.006, 11) + 0.10 * spot.grain(0.03, 12));
+}
+
+Vector3d shirt_front(const Spot& spot, Vector3d colour) {
+  const Vector3d& p = spot.p;
+  if (p.x() < 0.0 || p.z() > 1.475) return colour;
+  const double placket = band(p.y(), 0.016, 0.002);
+  colour *= 1.0 - 0.35 * band(std::abs(p.y()) - 0.017, 0.0012, 0.002);  // its stitched edges
+  colour = mix(colour, colour * 1.12, placket);
+  const double button = disc(p.y(), from_line(p.z() - 0.03, 0.085), 0.0055, 0.0015);
+  colour = mix(colour, Vector3d(0.93, 0.90, 0.82), button);
+  colour = mix(colour, Vector3d(0.25, 0.2, 0.18), disc(p.y(), from_line(p.z() - 0.03, 0.085), 0.0012, 0.0015));
+  const double px = p.y() - 0.085, pz = p.z() - 1.285;  // the breast pocket
+  const double edge = std::max(std::abs(px) - 0.052, std::abs(pz) - 0.060);
+  colour *= 1.0 - 0.45 * band(edge, 0.0015, 0.002) - 0.30 * band(pz - 0.040, 0.001, 0.002) * (edge < 0 ? 1 : 0);
+  return colour;
+}
+
+Vector3d shirt_colour(const Spot& spot) {
+  const Eigen::Vector2d uv = cloth_coordinates(spot);
+  Vector3d colour = plaid(spot, uv);
+  if (on_trunk(spot)) {
+    colour = shirt_front(spot, colour);
+    colour *= 1.0 - 0.4 * band(spot.p.z() - 0.912, 0.001, 0.002);  // hem
+    const double yoke = band(spot.p.z() - 1.40 + 0.25 * std::abs(spot.p.y()), 0.0012, 0.002);
+    colour *= 1.0 - 0.4 * yoke * (spot.p.x() < -0.02 ? 1.0 : 0.0);
+  } else {
+    const bool cuff = spot.place.joint == Joint::forearm_left || spot.place.joint == Joint::forearm_right;
+    colour *= 1.0 - 0.4 * band(spot.place.along - 0.030, 0.0012, 0.002) * (cuff ? 1.0 : 0.0);
+  }
+  return colour;
+}
+
+Vector3d trousers_colour(const Spot& spot) {
+  const Vector3d& p = spot.p;
+  const bool leg = !on_trunk(spot);
+  const double round = leg ? spot.place.around * 0.065 : std::atan2(p.y(), p.x()) * 0.16;
+  const double rib = std::sin(round * 2.0 * std::numbers::pi / 0.0075);
+  Vector3d colour =
+      rgb(spot.clothing.trousers) * (1.0 + 0.09 * rib + 0.16 * spot.grain(0.008, 21) + 0.12 * spot.grain(0.05, 22));
+  const double side_seam = std::abs(spot.place.around) - 0.5 * std::numbers::pi;
+  if (leg) {
+    colour *= 1.0 - 0.35 * band(side_seam * 0.065, 0.0015, 0.002);
+    const double stitch = band(side_seam * 0.065 - 0.007, 0.001, 0.0015) * (from_line(p.z(), 0.008) > 0 ? 1.0 : 0.3);
+    colour = mix(colour, Vector3d(0.86, 0.74, 0.5), 0.55 * stitch);
+    colour *= 1.0 + 0.12 * band(p.z() - 0.50, 0.03, 0.05) * (p.x() > 0.02 ? 1.0 : 0.0);  // worn knees
+    colour *= 1.0 - 0.3 * band(p.z() - 0.118, 0.001, 0.002);                             // turn-up
+  }
+  const double slant = p.z() - 0.84 + 1.1 * (std::abs(p.y()) - 0.15);  // front pockets
+  if (p.x() > 0.02) colour *= 1.0 - 0.4 * band(slant, 0.002, 0.002) * band(p.z() - 0.84, 0.06, 0.01);
+  const double bx = std::abs(p.y()) - 0.085, bz = p.z() - 0.845;  // back pockets
+  const double edge = std::max(std::abs(bx) - 0.055, std::abs(bz) - 0.05);
+  if (p.x() < -0.02) colour *= 1.0 - 0.35 * band(edge, 0.0015, 0.002);
+  return colour;
+}
+
+Vector3d shoe_colour(const Spot& spot) {
+  const Vector3d& p = spot.p;
+  Vector3d colour = rgb(spot.clothing.shoe) * (1.0 + 0.22 * spot.grain(0.012, 31) + 0.15 * spot.grain(0.035, 32));
+  const double across = std::abs(p.y()) - 0.195;
+  const bool instep = p.x() > 0.045 && p.x() < 0.125 && p.z() > 0.05;
+  if (instep) {
+    const double lace =
+        band(from_line(p.x() + 0.4 * std::abs(across), 0.014), 0.0022, 0.0015) * band(across, 0.020, 0.003);
+    colour = mix(colour, Vector3d(0.80, 0.74, 0.62), lace);
+  }
+  colour *= 1.0 - 0.4 * band(p.x() - 0.145 + 2.0 * across * across / 0.04, 0.0015, 0.002);  // toe cap
+  const double welt = band(p.z() - 0.028, 0.0015, 0.0015) * (from_line(p.x() + p.y(), 0.009) > 0 ? 1.0 : 0.2);
+  return mix(colour, Vector3d(0.85, 0.72, 0.45), 0.7 * welt);
+}
+
+// The eyes lie on x = 0.088, at the heights and distances body_parts gives them.
+Vector3d eye_colour(const Spot& spot, Vector3d colour) {
+  const Vector3d& p = spot.p;
+  const double dy = std::abs(p.y()) - 0.0325, dz = p.z() - 1.649;
+  const double lid = std::abs(dz) - 0.0062 * std::sqrt(std::max(0.0, 1.0 - dy * dy / (0.0155 * 0.0155)));
+  const double open = std::abs(dy) < 0.0155 ? step_up(-lid, 0.0012) : 0.0;
+  colour = mix(colour, Vector3d(0.24, 0.13, 0.10), std::abs(dy) < 0.0175 ? 0.85 * band(lid, 0.001, 0.0016) : 0.0);
+  Vector3d ball(0.92, 0.89, 0.86);
+  ball = mix(ball, rgb(spot.clothing.iris), disc(dy, dz, 0.0056, 0.0008));
+  ball = mix(ball, Vector3d(0.03, 0.03, 0.03), disc(dy, dz, 0.0024, 0.0006));
+  ball = mix(ball, Vector3d(1.0, 1.0, 1.0), disc(dy - 0.002, dz - 0.0022, 0.0009, 0.0006));
+  return mix(colour, ball, open);
+}
+
+Vector3d face_colour(const Spot& spot, Vector3d colour) {
+  const Vector3d& p = spot.p;
+  const double side = std::abs(p.y());
+  const Vector3d lips(0.72, 0.36, 0.33), hair = rgb(spot.clothing.hair);
+  colour = mix(colour, Vector3d(0.86, 0.50, 0.43), 0.35 * disc(side - 0.045, p.z() - 1.605, 0.012, 0.025));
+  colour = mix(colour, Vector3d(0.84, 0.48, 0.42), 0.30 * disc(p.y(), p.z() - 1.612, 0.008, 0.012));
+  const double beard = band(p.z() - 1.555, 0.035, 0.02) * step_up(0.075 - side, 0.03);
+  colour = mix(colour, hair, beard * (0.16 + 0.16 * spot.grain(0.004, 41)));
+  const double mouth = p.z() - 1.573 - 6.0 * p.y() * p.y();
+  const double width = std::max(0.0, 1.0 - p.y() * p.y() / (0.026 * 0.026));
+  colour = mix(colour, lips, 0.75 * band(mouth, 0.0085 * width, 0.002) * (width > 0 ? 1 : 0));
+  colour = mix(colour, Vector3d(0.30, 0.10, 0.10), 0.85 * band(mouth, 0.0010, 0.0012) * (width > 0 ? 1 : 0));
+  const double brow =
+      p.z() - 1.668 + 0.30 * std::max(0.0, side - 0.036) - 0.012 * std::sin((side - 0.012) * 60.0) * 0.3;
+  colour = mix(colour, hair,
+               (0.85 + 0.3 * spot.grain(0.004, 42)) * band(brow, 0.0036, 0.002) * band(side - 0.034, 0.019, 0.004));
+  colour = mix(colour, Vector3d(0.35, 0.16, 0.13), 0.8 * disc(side - 0.0075, (p.z() - 1.6005) * 1.6, 0.0030, 0.002));
+  return eye_colour(spot, colour);
+}
+
+// Gaps between the fingers, creases of the knuckles, nails. The wrist is where make_skeleton puts it.
+Vector3d hand_colour(const Spot& spot, Vector3d colour) {
+  const Vector3d& p = spot.p;
+  const double along = ((std::abs(p.y()) - 0.5787) + (1.0208 - p.z())) * std::numbers::sqrt2 / 2.0;
+  const double across = p.x() + 0.014, half = 0.038 - 0.12 * (along - 0.09);
+  if (along > 0.088 && std::abs(across) < half) {
+    colour = mix(colour, colour * 0.45, band(from_line(across, 0.5 * half), 0.0012, 0.0018));
+    for (const double knuckle : {0.112, 0.134}) colour = mix(colour, colour * 0.8, band(along - knuckle, 0.001, 0.002));
+    colour = mix(colour, Vector3d(0.93, 0.78, 0.72),
+                 0.6 * disc(from_line(across - 0.25 * half, 0.5 * half), (along - 0.160) * 0.7, 0.0035, 0.002));
+  }
+  return mix(colour, colour.cwiseProduct(Vector3d(1.0, 0.86, 0.82)), 0.6 * step_up(along - 0.07, 0.06));
+}
+
+Vector3d skin_colour(const Spot& spot) {
+  Vector3d colour = rgb(spot.clothing.skin);
+  colour = colour.cwiseProduct(Vector3d(1.0, 0.95, 0.93) +
+                               Vector3d(0.05, 0.09, 0.10) * fractal_noise(spot.p / 0.02, 3, spot.seed + 51));
+  const Vector3d cell = (spot.p / 0.016).array().floor();
+  const auto freckle = [&](int axis) {
+    return hashed_unit(static_cast<std::int64_t>(cell.x()), static_cast<std::int64_t>(cell.y()),
+                       static_cast<std::int64_t>(cell.z()), spot.seed + 60U + static_cast<std::uint32_t>(axis));
+  };
+  const Vector3d centre = cell + Vector3d(0.3, 0.3, 0.3) + 0.4 * Vector3d(freckle(0), freckle(1), freckle(2));
+  colour = mix(colour, Vector3d(0.50, 0.30, 0.20),
+               0.5 * band((spot.p / 0.016 - centre).norm(), 0.08, 0.12) * (freckle(3) < 0.35 ? 1 : 0));
+  const Joint j = spot.place.joint;
+  if (j == Joint::hand_left || j == Joint::hand_right) return hand_colour(spot, colour);
+  if (j == Joint::head && spot.p.x() > 0.03) return face_colour(spot, colour);
+  return colour;
+}
+
+Vector3d hair_colour(const Spot& spot) {
+  const Vector3d& p = spot.p;
+  const Vector3d strand(p.x() / 0.020, p.y() / 0.004, p.z() / 0.010);
+  return rgb(spot.clothing.hair) * (1.0 + 0.55 * solid_noise(strand, spot.seed + 71) + 0.25 * spot.grain(0.03, 72));
+}
+
+Vector3d sole_colour(const Spot& spot) {
+  return rgb(spot.clothing.sole) * (1.0 + 0.2 * spot.grain(0.007, 81));
+}
+
+}  // namespace
+
+Vector3d colour_at(const BodyShape& shape, const Clothing& clothing, const Vector3d& p) {
+  const Spot spot{clothing, p * (1.75 / shape.build().height), shape.place_of(p), shape.build().seed};
+  Vector3d colour = Vector3d::Zero();
+  switch (spot.place.material) {
+    case Material::skin:
+      colour = skin_colour(spot);
+      break;
+    case Material::hair:
+      colour = hair_colour(spot);
+      break;
+    case Material::shirt:
+      colour = shirt_colour(spot);
+      break;
+    case Material::trousers:
+      colour = trousers_colour(spot);
+      break;
+    case Material::shoe:
+      colour = shoe_colour(spot);
+      break;
+    case Material::sole:
+      colour = sole_colour(spot);
+      break;
+  }
+  return colour.cwiseMax(0.0).cwiseMin(1.0);
+}
+
+}  // namespace rotunda::simulator

@@ -1,0 +1,74 @@
+#include "simulator/people/person.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+
+#include "config/errors.h"
+#include "simulator/people/body_mesh.h"
+
+namespace rotunda::simulator {
+namespace {
+
+constexpr int kTexelsPerEdge = 8;  // about 1.5 mm a texel
+
+// To add a person: a row here.
+std::vector<PersonDescription> descriptions() {
+  return {{"alex", BodyBuild{}, Clothing{}}};
+}
+
+std::vector<recon::Colour> vertex_colours(const recon::TriangleMesh& mesh, const BodyShape& shape,
+                                          const Clothing& wear) {
+  std::vector<recon::Colour> colours(mesh.positions.size());
+  tbb::parallel_for(std::size_t{0}, colours.size(), [&](std::size_t v) {
+    const Eigen::Vector3d c = 255.0 * colour_at(shape, wear, mesh.positions[v].cast<double>());
+    for (std::size_t i = 0; i < 3; ++i)
+      colours[v][i] = static_cast<std::uint8_t>(c[static_cast<Eigen::Index>(i)] + 0.5);
+  });
+  return colours;
+}
+
+std::vector<float> vertex_openness(const recon::TriangleMesh& mesh, const BodyShape& shape) {
+  std::vector<float> openness(mesh.positions.size());
+  tbb::parallel_for(std::size_t{0}, openness.size(), [&](std::size_t v) {
+    openness[v] = static_cast<float>(shape.openness(mesh.positions[v].cast<double>(), mesh.normals[v].cast<double>()));
+  });
+  return openness;
+}
+
+}  // namespace
+
+Person make_person(const PersonDescription& description) {
+  Person person;
+  person.name = description.name;
+  person.skeleton = make_skeleton(description.build.height);
+  const BodyShape shape(person.skeleton, description.build);
+  person.bind = body_mesh(shape, person.skeleton);
+  person.bind.colours = vertex_colours(person.bind, shape, description.clothing);
+  person.weights = skin_weights(person.bind, shape);
+  person.openness = vertex_openness(person.bind, shape);
+  person.texture = paint_surface(person.bind, kTexelsPerEdge,
+                                 [&](const Eigen::Vector3d& p) { return colour_at(shape, description.clothing, p); });
+  return person;
+}
+
+Person make_person(std::string_view name) {
+  for (const auto& description : descriptions())
+    if (description.name == name) return make_person(description);
+  throw InvalidInput(
+      fmt::format("there is no person '{}'; the simulator knows: {}", name, fmt::join(person_names(), ", ")));
+}
+
+std::vector<std::string> person_names() {
+  std::vector<std::string> names;
+  for (const auto& description : descriptions()) names.push_back(description.name);
+  return names;
+}
+
+recon::TriangleMesh posed_mesh(const Person& person, const Pose& pose) {
+  return skinned(person.bind, person.weights, joint_transforms(person.skeleton, pose));
+}
+
+}  // namespace rotunda::simulator

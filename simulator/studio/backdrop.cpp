@@ -1,0 +1,151 @@
+#include "simulator/studio/backdrop.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <Eigen/Geometry>
+#include <opencv2/imgproc.hpp>
+
+#include "simulator/people/solid_noise.h"
+
+namespace rotunda::simulator {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kRoom = 6.2;  // radius of the wall, metres
+constexpr float kNoFloor = 1e6F;
+constexpr std::uint32_t kPaintSeed = 77;
+
+const cv::Vec3d kPaint(0.030, 0.105, 0.480);  // linear reflectance of chroma-key blue
+
+// Lamps leave pools and dark corners; the roller left marks. `along` runs from the stage's middle out and up the wall.
+double brightness(const Vector3d& p, double along) {
+  const double azimuth = std::atan2(p.y(), p.x());
+  const double pools = 0.10 * std::cos(3.0 * azimuth + 0.7) + 0.06 * std::cos(5.0 * azimuth - along);
+  const double falloff =
+      along < kRoom ? 1.02 - 0.012 * along * along
+                    : 1.02 - 0.012 * kRoom * kRoom + 0.10 * (along - kRoom) - 0.035 * std::pow(along - kRoom, 2);
+  const double paint = 0.025 * fractal_noise(p / 0.6, 3, kPaintSeed) +
+                       0.012 * solid_noise(Vector3d(p.x() / 0.05, p.y() / 0.05, p.z() / 0.3), kPaintSeed + 9);
+  return std::max(0.15, falloff * (1.0 + pools * std::min(1.0, along / kRoom)) + paint);
+}
+
+cv::Vec3f paint_at(const Vector3d& p, double along) {
+  const double light = 0.95 * brightness(p, along);
+  const double scuff = along < kRoom ? 0.02 * std::max(0.0, fractal_noise(p / 0.25, 2, kPaintSeed + 20)) : 0.0;
+  return {static_cast<float>(light * (kPaint[0] + scuff)), static_cast<float>(light * (kPaint[1] + scuff)),
+          static_cast<float>(light * (kPaint[2] + scuff))};
+}
+
+// Where the ray meets the wall: the far intersection with the cylinder, seen from inside.
+Vector3d wall_point(const Vector3d& origin, const Vector3d& ray) {
+  const double a = ray.head<2>().squaredNorm(), b = origin.head<2>().dot(ray.head<2>());
+  const double c = origin.head<2>().squaredNorm() - kRoom * kRoom;
+  return origin + ray * ((-b + std::sqrt(std::max(0.0, b * b - a * c))) / std::max(a, 1e-12));
+}
+
+void look_along(const capture::CameraModel& camera, int x, int y, cv::Vec3f& colour, cv::Vec2f& floor) {
+  floor = {kNoFloor, kNoFloor};
+  const auto ray = capture::ray_through(camera, {x, y});
+  colour = {0.0F, 0.0F, 0.0F};  // beyond the lens's field
+  if (!ray) return;
+  const Vector3d origin = camera.centre();
+  if (ray->z() < 0.0) {
+    const Vector3d p = origin - *ray * (origin.z() / ray->z());
+    const double along = p.head<2>().norm();
+    if (along < kRoom) {
+      floor = {static_cast<float>(p.x()), static_cast<float>(p.y())};
+      colour = paint_at(p, along);
+      return;
+    }
+  }
+  const Vector3d p = wall_point(origin, *ray);
+  colour = paint_at(p, kRoom + std::min(std::abs(p.z()), 6.0));
+}
+
+// What stands over the floor between two heights, spread the wider the higher it is.
+struct Layer {
+  double below;     // metres
+  double spread;    // standard deviation of its shadow's edge, metres
+  double strength;  // optical depth of full cover
+};
+constexpr std::array<Layer, 3> kLayers = {{{0.06, 0.012, 1.3}, {0.55, 0.07, 0.55}, {3.0, 0.28, 1.0}}};
+
+constexpr double kCell = 0.0125;
+constexpr int kCells = 288;  // 3.6 m
+
+std::array<cv::Mat, kLayers.size()> cover_of(const recon::TriangleMesh& body, const ContactShadow& grid) {
+  std::array<cv::Mat, kLayers.size()> cover;
+  for (auto& layer : cover) layer = cv::Mat(kCells, kCells, CV_32FC1, cv::Scalar(0));
+  for (const auto& t : body.triangles) {
+    const Eigen::Vector3f a = body.positions[t[0]], b = body.positions[t[1]], c = body.positions[t[2]];
+    const Eigen::Vector3f middle = (a + b + c) / 3.0F;
+    const float area = 0.5F * (b - a).cross(c - a).z();
+    const int column = cvRound((middle.x() - grid.from_x) / kCell), row = cvRound((middle.y() - grid.from_y) / kCell);
+    if (area <= 0.0F || column < 0 || row < 0 || column >= kCells || row >= kCells) continue;
+    std::size_t layer = 0;
+    while (middle.z() > kLayers[layer].below && layer + 1 < kLayers.size()) ++layer;
+    cover[layer].at<float>(row, column) += area / static_cast<float>(kCell * kCell);
+  }
+  return cover;
+}
+
+}  // namespace
+
+Backdrop make_backdrop(const capture::CameraModel& camera) {
+  Backdrop backdrop{cv::Mat(camera.height, camera.width, CV_32FC3), cv::Mat(camera.height, camera.width, CV_32FC2)};
+  tbb::parallel_for(0, camera.height, [&](int y) {
+    for (int x = 0; x < camera.width; ++x)
+      look_along(camera, x, y, backdrop.linear.at<cv::Vec3f>(y, x), backdrop.floor.at<cv::Vec2f>(y, x));
+  });
+  return backdrop;
+}
+
+float ContactShadow::at(float x, float y) const {
+  const auto column = static_cast<float>((x - from_x) / cell), row = static_cast<float>((y - from_y) / cell);
+  if (!(column >= 0.0F && row >= 0.0F && column < static_cast<float>(light.cols - 1) &&
+        row < static_cast<float>(light.rows - 1)))
+    return 1.0F;
+  const int i = static_cast<int>(column), j = static_cast<int>(row);
+  const float u = column - static_cast<float>(i), v = row - static_cast<float>(j);
+  const float* upper = light.ptr<float>(j) + i;
+  const float* lower = light.ptr<float>(j + 1) + i;
+  return (1.0F - v) * ((1.0F - u) * upper[0] + u * upper[1]) + v * ((1.0F - u) * lower[0] + u * lower[1]);
+}
+
+ContactShadow contact_shadow(const recon::TriangleMesh& body) {
+  Eigen::Vector3f middle = Eigen::Vector3f::Zero();
+  for (const auto& p : body.positions) middle += p / static_cast<float>(body.positions.size());
+  ContactShadow shadow;
+  shadow.cell = kCell;
+  shadow.from_x = static_cast<double>(middle.x()) - 0.5 * kCell * kCells;
+  shadow.from_y = static_cast<double>(middle.y()) - 0.5 * kCell * kCells;
+  cv::Mat depth(kCells, kCells, CV_32FC1, cv::Scalar(0)), blurred;
+  const auto cover = cover_of(body, shadow);
+  for (std::size_t i = 0; i < cover.size(); ++i) {
+    cv::GaussianBlur(cover[i], blurred, {}, kLayers[i].spread / kCell, 0, cv::BORDER_CONSTANT);
+    depth += kLayers[i].strength * cv::min(blurred, 1.2);
+  }
+  cv::exp(-depth, shadow.light);
+  return shadow;
+}
+
+void lay_shadow(const Backdrop& backdrop, const ContactShadow& shadow, cv::Mat& picture) {
+  for (int y = 0; y < picture.rows; ++y) {
+    const auto* floor = backdrop.floor.ptr<cv::Vec2f>(y);
+    auto* pixel = picture.ptr<cv::Vec3f>(y);
+    for (int x = 0; x < picture.cols; ++x) {
+      if (floor[x][0] == kNoFloor) continue;
+      const float light = shadow.at(floor[x][0], floor[x][1]);
+      if (light >= 0.999F) continue;
+      pixel[x][0] *= light * std::sqrt(std::sqrt(light));
+      pixel[x][1] *= light * std::sqrt(std::sqrt(std::sqrt(light)));
+      pixel[x][2] *= light;
+    }
+  }
+}
+
+}  // namespace rotunda::simulator

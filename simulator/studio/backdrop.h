@@ -1,0 +1,27 @@
+#pragma once
+// The empty studio: a floor and a round wall that run into each other, painted blue, unevenly lit. World frame, metres.
+#include <opencv2/core.hpp>
+
+#include "capture/camera_model.h"
+#include "recon/mesh/triangle_mesh.h"
+
+namespace rotunda::simulator {
+
+struct Backdrop {
+  cv::Mat linear;  // CV_32FC3, red, green, blue: what the camera sees without anyone on the stage
+  cv::Mat floor;   // CV_32FC2: x and y of the floor point at each pixel; far away where there is wall
+};
+Backdrop make_backdrop(const capture::CameraModel& camera);
+
+// How much of the light reaches the floor beside a body: 1 all, 0 none.
+struct ContactShadow {
+  cv::Mat light;                                  // CV_32FC1, rows along y, columns along x
+  double from_x = 0.0, from_y = 0.0, cell = 0.0;  // metres: the middle of the first sample; sample spacing
+  float at(float x, float y) const;               // bilinear; 1 outside
+};
+ContactShadow contact_shadow(const recon::TriangleMesh& body);
+
+// Backdrop with the shadow on it, in `picture` (a copy of backdrop.linear); shadow on blue paint is bluer.
+void lay_shadow(const Backdrop& backdrop, const ContactShadow& shadow, cv::Mat& picture);
+
+}  // namespace rotunda::simulator
