@@ -1,5 +1,5 @@
 #pragma once
-// What the house throws when the caller cannot go on. Programs map them to exit codes (rig/cli/exit_code.h):
+// What the house throws when the caller cannot go on. Programs map them to exit codes (config/exit_code.h):
 // ConfigError, InvalidInput and CorruptData to 3; DeviceError and std::system_error to 4. What is expected to
 // happen (a lost frame, a solver that stops short) is a value, never one of these.
 #include <cstdint>

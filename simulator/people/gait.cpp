@@ -241,7 +241,7 @@ Pose gait_pose(const Skeleton& skeleton, double seconds, const GaitOptions& opti
     const double s = sign_of(side), phase = side == Side::left ? stride : stride + 0.5;
     const Vector2d ankle = path.at(phase);
     const double pitch = AnklePath::pitch(phase), own = phase - std::floor(phase);
-    const double release = std::clamp((own - kToeOff) / 0.12, 0.0, 1.0);  // the toes straighten after toe-off
+    const double release = std::clamp((own - kToeOff - 0.05) / 0.14, 0.0, 1.0);  // the toes straighten after toe-off
     place_foot(
         skeleton, pose, side,
         {{ankle.x(), s * 0.088 * scale, ankle.y()}, pitch, degrees(5.0), std::max(0.0, -pitch) * (1.0 - release)});

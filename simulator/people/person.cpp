@@ -12,11 +12,9 @@
 namespace rotunda::simulator {
 namespace {
 
-constexpr int kTexelsPerEdge = 8;  // about 1.5 mm a texel
-
 // To add a person: a row here.
 std::vector<PersonDescription> descriptions() {
-  return {{"alex", BodyBuild{}, Clothing{}}};
+  return {{"alex", BodyBuild{}, Clothing{}, 6}};
 }
 
 std::vector<recon::Colour> vertex_colours(const recon::TriangleMesh& mesh, const BodyShape& shape,
@@ -49,14 +47,18 @@ Person make_person(const PersonDescription& description) {
   person.bind.colours = vertex_colours(person.bind, shape, description.clothing);
   person.weights = skin_weights(person.bind, shape);
   person.openness = vertex_openness(person.bind, shape);
-  person.texture = paint_surface(person.bind, kTexelsPerEdge,
+  person.texture = paint_surface(person.bind, description.texels_per_edge,
                                  [&](const Eigen::Vector3d& p) { return colour_at(shape, description.clothing, p); });
   return person;
 }
 
 Person make_person(std::string_view name) {
+  return make_person(describe_person(name));
+}
+
+PersonDescription describe_person(std::string_view name) {
   for (const auto& description : descriptions())
-    if (description.name == name) return make_person(description);
+    if (description.name == name) return description;
   throw InvalidInput(
       fmt::format("there is no person '{}'; the simulator knows: {}", name, fmt::join(person_names(), ", ")));
 }

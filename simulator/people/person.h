@@ -27,6 +27,7 @@ struct PersonDescription {
   std::string name;
   BodyBuild build;
   Clothing clothing;
+  int texels_per_edge = 6;  // of the texture: about 2 mm a texel
 };
 
 // Builds the surface and paints it: about a second. Throws InvalidInput for a build that is not one closed surface.
@@ -34,6 +35,7 @@ Person make_person(const PersonDescription& description);
 
 // One of the people that come with the simulator; throws InvalidInput with their names for another name.
 Person make_person(std::string_view name);
+PersonDescription describe_person(std::string_view name);
 std::vector<std::string> person_names();
 
 // The true surface in a pose: world, metres, vertex numbers as in `bind`.

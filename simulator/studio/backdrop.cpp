@@ -2,10 +2,10 @@
 
 #include <tbb/parallel_for.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <Eigen/Geometry>
 #include <opencv2/imgproc.hpp>
 
 #include "simulator/people/solid_noise.h"

@@ -98,14 +98,4 @@ cv::Mat expose(const cv::Mat& linear, std::size_t camera, std::uint64_t frame, c
   return picture;
 }
 
-std::vector<std::uint8_t> bayer_rg8(const cv::Mat& rgb) {
-  std::vector<std::uint8_t> mosaic(static_cast<std::size_t>(rgb.rows) * static_cast<std::size_t>(rgb.cols));
-  auto out = mosaic.begin();
-  for (int y = 0; y < rgb.rows; ++y) {
-    const auto* row = rgb.ptr<cv::Vec3b>(y);
-    for (int x = 0; x < rgb.cols; ++x) *out++ = row[x][(y & 1) + (x & 1)];  // red 0, green 1, blue 2
-  }
-  return mosaic;
-}
-
 }  // namespace rotunda::simulator

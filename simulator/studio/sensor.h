@@ -1,9 +1,8 @@
 #pragma once
 // From linear light to the camera's 8-bit picture: exposure and white balance of the individual camera, vignetting,
-// shot and read noise (EMVA 1288's linear model), sRGB gamma, Bayer mosaic.
+// shot and read noise (EMVA 1288's linear model), sRGB gamma. The mosaic comes after: pixel_encoding.h.
+#include <cstdint>
 #include <opencv2/core.hpp>
-
-#include "capture/frame.h"
 
 namespace rotunda::simulator {
 
@@ -18,8 +17,5 @@ struct SensorOptions {
 
 // CV_32FC3 linear to CV_8UC3 sRGB. The noise is a fixed function of seed, camera and frame.
 cv::Mat expose(const cv::Mat& linear, std::size_t camera, std::uint64_t frame, const SensorOptions& options = {});
-
-// RGGB: red at (0, 0). Rows top to bottom, one byte a pixel.
-std::vector<std::uint8_t> bayer_rg8(const cv::Mat& rgb);
 
 }  // namespace rotunda::simulator
