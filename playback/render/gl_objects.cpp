@@ -82,6 +82,19 @@ GLint uniform(const GlProgram& program, const char* name) {
   return glGetUniformLocation(program.get(), name);
 }
 
+FrameFence::~FrameFence() {
+  glDeleteSync(before_);
+}
+
+void FrameFence::frame_drawn() {
+  const GLsync now = glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
+  glFlush();
+  constexpr GLuint64 kGiveUp = 5'000'000'000;  // nanoseconds: a driver that hangs is not waited for for ever
+  if (before_) glClientWaitSync(before_, 0, kGiveUp);
+  glDeleteSync(before_);
+  before_ = now;
+}
+
 RenderTarget::RenderTarget(int width, int height)
     : width_(width), height_(height), colour_(make_texture()), depth_(make_texture()) {
   glBindTexture(GL_TEXTURE_2D, colour_.get());

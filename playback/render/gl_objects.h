@@ -47,6 +47,20 @@ GlVertexArray make_vertex_array();
 GlProgram make_program(std::string_view vertex_source, std::string_view fragment_source);
 GLint uniform(const GlProgram& program, const char* name);
 
+// Lets the driver lag one frame behind the program and no more: vertex work of one frame overlaps the pixels of the one
+// before (a fifth faster than waiting each frame out with llvmpipe).
+class FrameFence {
+ public:
+  FrameFence() = default;
+  ~FrameFence();
+  FrameFence(const FrameFence&) = delete;
+  FrameFence& operator=(const FrameFence&) = delete;
+  void frame_drawn();  // hands the frame to the driver, waits for the one before
+
+ private:
+  GLsync before_ = nullptr;
+};
+
 // A picture to draw into: RGBA8 with a 24-bit depth buffer.
 class RenderTarget {
  public:
