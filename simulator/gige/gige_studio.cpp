@@ -5,7 +5,6 @@
 #include <netinet/in.h>
 #include <spdlog/spdlog.h>
 #include <sys/epoll.h>
-#include <sys/eventfd.h>
 #include <sys/prctl.h>
 #include <unistd.h>
 
@@ -59,6 +58,23 @@ UdpSocket control_socket(const GigeCameraOptions& camera) {
   }
 }
 
+// Discovery and actions come by broadcast; every camera hears them through these.
+std::vector<UdpSocket> broadcast_sockets() {
+  std::vector<UdpSocket> sockets;
+  for (const std::uint32_t address : {kLimitedBroadcast, kLoopbackBroadcast}) {
+    try {
+      sockets.emplace_back(Endpoint{.address = address, .port = kGvcpPort}, Sharing::with_other_sockets);
+    } catch (const std::system_error& error) {
+      if (address == kLimitedBroadcast)
+        throw DeviceError("simulated studio",
+                          fmt::format("cannot listen on 255.255.255.255:{} ({}); does another simulated camera run?",
+                                      kGvcpPort, error.code().message()));
+      spdlog::warn("simulated studio: broadcasts to 127.255.255.255 go unheard: {}", error.code().message());
+    }
+  }
+  return sockets;
+}
+
 void check_distinct(const std::vector<GigeCameraOptions>& cameras) {
   std::set<std::string> seen;
   const auto add = [&](const std::string& what, const std::string& value) {
@@ -72,6 +88,18 @@ void check_distinct(const std::vector<GigeCameraOptions>& cameras) {
     add("MAC", fmt::format("{:02x}", fmt::join(camera.mac, ":")));
   }
 }
+
+void check(int result, const char* what) {
+  if (result < 0) throw std::system_error(errno, std::generic_category(), what);
+}
+
+struct EpollHandle {
+  int fd = epoll_create1(EPOLL_CLOEXEC);
+  EpollHandle() = default;
+  EpollHandle(const EpollHandle&) = delete;
+  EpollHandle& operator=(const EpollHandle&) = delete;
+  ~EpollHandle() { close(fd); }
+};
 
 struct Camera {
   Camera(const GigeCameraOptions& options, bool is_clock_master)
@@ -106,20 +134,28 @@ struct Errands {
 }  // namespace
 
 struct GigeStudio::Impl {
-  Impl(std::vector<GigeCameraOptions> options, PictureAt picture, const GigeStudioOptions& studio)
-      : picture_at(std::move(picture)),
-        limited_broadcast({kLimitedBroadcast, kGvcpPort}, Sharing::with_other_sockets),
-        loopback_broadcast({kLoopbackBroadcast, kGvcpPort}, Sharing::with_other_sockets) {
+  Impl(const std::vector<GigeCameraOptions>& options, PictureAt picture, const GigeStudioOptions& studio)
+      : picture_at(std::move(picture)) {
     check_distinct(options);
     cameras.reserve(options.size());
     for (const auto& camera : options) {
       cameras.emplace_back(camera, cameras.empty());
       streams.emplace_back(streams.size(), cameras.back().stream.fd(), studio.link_bits_per_second);
     }
+    missing_pictures.resize(cameras.size());
+    broadcasts = broadcast_sockets();
+    check(poll.fd, "epoll_create1");
+    for (std::size_t i = 0; i < cameras.size(); ++i) watch(cameras[i].control, i);
+    for (std::size_t i = 0; i < broadcasts.size(); ++i) watch(broadcasts[i], cameras.size() + i);
+  }
+
+  void watch(const UdpSocket& socket, std::size_t number) const {
+    epoll_event event{.events = EPOLLIN, .data = {.u64 = number}};
+    check(epoll_ctl(poll.fd, EPOLL_CTL_ADD, socket.fd(), &event), "epoll_ctl");
   }
 
   void control_loop();
-  void drain(UdpSocket& socket, std::optional<std::size_t> camera);
+  void drain(UdpSocket& socket, std::span<Camera> hearers);
   void hand_to(Camera& camera, std::span<const std::uint8_t> datagram, const UdpSocket::Received& received);
   std::optional<Timestamp> next_due() const;
   void wake_sender_if_needed(std::optional<Timestamp> due_before);
@@ -132,14 +168,15 @@ struct GigeStudio::Impl {
   void publish_and_wait();
 
   PictureAt picture_at;
-  UdpSocket limited_broadcast, loopback_broadcast;
+  std::vector<UdpSocket> broadcasts;
+  EpollHandle poll;  // events carry the camera's number; broadcasts follow the cameras
   mutable std::mutex mutex;
   std::condition_variable wake;
   std::vector<Camera> cameras;
   bool sender_has_work = false, stopping = false;  // under the mutex
   // The sender's own:
   std::vector<CameraStream> streams;
-  std::vector<std::uint64_t> missing_pictures = {};
+  std::vector<std::uint64_t> missing_pictures;
   std::array<std::uint8_t, 2048> buffer{};  // the control thread's own
   std::atomic<bool> control_stopping = false;
   std::jthread control, sender;
@@ -149,40 +186,30 @@ struct GigeStudio::Impl {
 
 void GigeStudio::Impl::control_loop() {
   prctl(PR_SET_NAME, "gige-control");
-  const int poll = epoll_create1(EPOLL_CLOEXEC);
-  std::vector<std::pair<UdpSocket*, std::optional<std::size_t>>> sockets{{&limited_broadcast, std::nullopt},
-                                                                         {&loopback_broadcast, std::nullopt}};
-  for (std::size_t i = 0; i < cameras.size(); ++i) sockets.emplace_back(&cameras[i].control, i);
-  for (std::size_t i = 0; i < sockets.size(); ++i) {
-    epoll_event event{.events = EPOLLIN, .data = {.u64 = i}};
-    epoll_ctl(poll, EPOLL_CTL_ADD, sockets[i].first->fd(), &event);
-  }
   std::array<epoll_event, 16> events{};
   while (!control_stopping) {
-    const int ready = epoll_wait(poll, events.data(), static_cast<int>(events.size()),
+    const int ready = epoll_wait(poll.fd, events.data(), static_cast<int>(events.size()),
                                  static_cast<int>(std::chrono::milliseconds{kLongestWait}.count()));
     const Timestamp now = RigClock::now();
     for (int i = 0; i < ready; ++i) {
-      const auto& [socket, camera] = sockets[events[static_cast<std::size_t>(i)].data.u64];
-      drain(*socket, camera);
+      const std::size_t number = events[static_cast<std::size_t>(i)].data.u64;
+      if (number < cameras.size())
+        drain(cameras[number].control, std::span{cameras}.subspan(number, 1));
+      else
+        drain(broadcasts[number - cameras.size()], cameras);
     }
     const std::scoped_lock lock(mutex);
     if (ready < static_cast<int>(events.size()))
       for (auto& camera : cameras) camera.device.check_heartbeat(now);
   }
-  close(poll);
 }
 
-void GigeStudio::Impl::drain(UdpSocket& socket, std::optional<std::size_t> camera) {
+void GigeStudio::Impl::drain(UdpSocket& socket, std::span<Camera> hearers) {
   while (const auto received = socket.receive(buffer)) {
     const std::span datagram = std::span{buffer}.first(std::min(received->bytes, buffer.size()));
     const std::scoped_lock lock(mutex);
     const auto due_before = next_due();
-    if (camera) {
-      hand_to(cameras[*camera], datagram, *received);
-    } else {
-      for (auto& each : cameras) hand_to(each, datagram, *received);
-    }
+    for (auto& camera : hearers) hand_to(camera, datagram, *received);
     wake_sender_if_needed(due_before);
   }
 }
@@ -300,10 +327,9 @@ void GigeStudio::Impl::publish_and_wait() {
 
 // --- studio -----------------------------------------------------------------------------------------------------
 
-GigeStudio::GigeStudio(std::vector<GigeCameraOptions> cameras, PictureAt picture_at, const GigeStudioOptions& options)
-    : impl_(std::make_unique<Impl>(std::move(cameras), std::move(picture_at), options)) {
-  impl_->missing_pictures.resize(impl_->cameras.size());
-}
+GigeStudio::GigeStudio(const std::vector<GigeCameraOptions>& cameras, PictureAt picture_at,
+                       const GigeStudioOptions& options)
+    : impl_(std::make_unique<Impl>(cameras, std::move(picture_at), options)) {}
 
 GigeStudio::~GigeStudio() {
   stop();

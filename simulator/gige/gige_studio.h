@@ -39,7 +39,8 @@ class GigeStudio {
  public:
   // Takes the cameras' addresses. Throws DeviceError if an address or its port 3956 is not to be had, InvalidInput if
   // two cameras share a name, serial, address or MAC or an option does not fit.
-  GigeStudio(std::vector<GigeCameraOptions> cameras, PictureAt picture_at, const GigeStudioOptions& options = {});
+  GigeStudio(const std::vector<GigeCameraOptions>& cameras, PictureAt picture_at,
+             const GigeStudioOptions& options = {});
   ~GigeStudio();  // stops
   GigeStudio(const GigeStudio&) = delete;
   GigeStudio& operator=(const GigeStudio&) = delete;

@@ -234,6 +234,18 @@ TEST_F(GigeStudioTest, ASilentCameraIsLostWhileTheOthersGoOnAndComesBack) {
   EXPECT_THROW((*studio).set_faults(2, {}), InvalidInput);
 }
 
+TEST_F(GigeStudioTest, LateFramesKeepTheStampOfTheirLineEdge) {
+  TestStudio studio({.cameras = 1});
+  (*studio).set_faults({.late = 300ms});
+  AravisClient client(studio.address(0), kPacketSize);
+  client.trigger_by("Line0");
+  client.start();
+  const Timestamp edge = RigClock::now() + 20ms;
+  (*studio).line0_edge(edge);
+  expect_frame(client.next_frame(), studio, 0, edge);
+  EXPECT_GE(RigClock::now() - edge, 300ms);
+}
+
 TEST_F(GigeStudioTest, TellsWhoseAddressIsTaken) {
   TestStudio studio({.cameras = 3, .first_address = 3});
   try {
