@@ -167,6 +167,20 @@ std::optional<std::vector<std::uint8_t>> decode_ffv1(std::span<const std::uint8_
 
 }  // namespace
 
+CameraFileHeader read_camera_file_header(const fs::path& file) {
+  const AvInput input = open_input(file);
+  if (input->nb_streams < 1) throw CorruptData(file, 0, "has no video track");
+  const AVStream& stream = *input->streams[0];
+  const AVDictionaryEntry* tag = av_dict_get(stream.metadata, "PIXEL_FORMAT", nullptr, 0);
+  const auto format = tag == nullptr ? std::nullopt : pixel_format_from(tag->value);
+  if (!format) throw CorruptData(file, 0, "has no PIXEL_FORMAT tag that names a pixel format");
+  return {.camera = {.name = file.stem().string(),
+                     .width = stream.codecpar->width,
+                     .height = stream.codecpar->height,
+                     .format = *format},
+          .fps = av_q2d(stream.avg_frame_rate)};
+}
+
 CameraFileReader::CameraFileReader(const fs::path& file, const TakeCamera& camera) : file_(file), camera_(camera) {
   try {
     descriptor_ = std::make_unique<Descriptor>(file);

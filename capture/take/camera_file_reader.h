@@ -20,6 +20,14 @@ struct StoredFrame {
   std::size_t size = 0;     // bytes
 };
 
+// What the file's own header says, for a take whose take.yaml is lost. The name is the file's. Throws CorruptData if
+// it is no camera's file of a take, std::system_error if it cannot be read.
+struct CameraFileHeader {
+  TakeCamera camera;  // no counts
+  double fps = 0.0;
+};
+CameraFileHeader read_camera_file_header(const std::filesystem::path& file);
+
 class CameraFileReader {
  public:
   CameraFileReader(const std::filesystem::path& file, const TakeCamera& camera);

@@ -173,7 +173,8 @@ std::string to_yaml(const TakeInfo& info) {
 
 YAML::Node load(const fs::path& file) {
   if (!fs::is_regular_file(file))
-    throw InvalidInput(file.parent_path().string() + " is not a take: it has no take.yaml");
+    throw InvalidInput(file.parent_path().string() +
+                       " has no take.yaml; if it is a take, `rotunda take recover` makes the file anew");
   try {
     YAML::Node root = YAML::LoadFile(file.string());
     if (root.IsMap()) return root;
@@ -189,6 +190,15 @@ YAML::Node load(const fs::path& file) {
                             .column = 1,
                             .key = "",
                             .message = "expected keys and values; `rotunda take recover` makes the file anew"}});
+}
+
+// Cameras' files are enough: take.yaml can be made anew.
+bool holds_take(const fs::path& folder) {
+  if (fs::exists(folder / "take.yaml")) return true;
+  std::error_code none;
+  for (const auto& entry : fs::directory_iterator(folder, none))
+    if (entry.path().extension() == ".mkv") return true;
+  return false;
 }
 
 }  // namespace
@@ -237,8 +247,8 @@ std::vector<TakeInfo> list_takes(const fs::path& root, std::vector<std::string>*
 }
 
 fs::path resolve_take(const std::string& name_or_path, const fs::path& root) {
-  if (valid_take_name(name_or_path) && fs::exists(root / name_or_path / "take.yaml")) return root / name_or_path;
-  if (fs::exists(fs::path(name_or_path) / "take.yaml")) return name_or_path;
+  if (valid_take_name(name_or_path) && holds_take(root / name_or_path)) return root / name_or_path;
+  if (holds_take(name_or_path)) return name_or_path;
   std::string known;
   for (const auto& take : list_takes(root)) known += (known.empty() ? "" : ", ") + take.name;
   throw InvalidInput(fmt::format("there is no take '{}': {} holds {}", name_or_path, root.string(),

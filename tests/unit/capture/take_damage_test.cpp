@@ -46,7 +46,7 @@ class TakeDamage : public testing::TestWithParam<PixelFormat> {
   }
 
   // Not every place of the file but every kind: the sanitizers make FFV1 slow.
-  static std::size_t stride() { return GetParam() == PixelFormat::rgb8 ? 31 : 3; }
+  static std::size_t stride() { return GetParam() == PixelFormat::rgb8 ? 61 : 7; }
 
   // How many of cam01's frames are there; every frame the reader gives must be the one recorded.
   std::size_t frames_read() const {
@@ -179,6 +179,30 @@ TEST_F(DamagedTake, RecoveryCountsWhatIsThereAndTouchesNoFrame) {
   EXPECT_GT(recovered.cameras[2].frames, 0U);
   EXPECT_EQ(recovered.start, trigger_time(0));
   EXPECT_EQ(content(camera_file(folder, "cam02")), before);
+}
+
+TEST_F(DamagedTake, RecoveryMakesALostTakeYamlAnew) {
+  const TakeInfo before = read_take_info(folder);
+  fs::remove(folder / "take.yaml");
+  EXPECT_EQ(resolve_take("take", root.path()), folder);
+  EXPECT_EQ(recover_take(folder).complete, 6U);
+  const TakeInfo anew = read_take_info(folder);
+  EXPECT_EQ(anew.state, TakeState::recovered);
+  EXPECT_EQ(anew.fps, before.fps);
+  EXPECT_EQ(anew.start, before.start);
+  ASSERT_EQ(anew.cameras.size(), 3U);
+  EXPECT_EQ(anew.cameras[1].name, "cam01");
+  EXPECT_EQ(anew.cameras[1].format, PixelFormat::bayer_rg8);
+  expect_same(TakeReader(folder).read(5), frame_set(cameras, 5));
+}
+
+TEST_F(DamagedTake, RecoveryKeepsATakeYamlItCannotRead) {
+  replace(folder / "take.yaml", "state: [complete");
+  EXPECT_EQ(recover_take(folder).complete, 6U);
+  EXPECT_EQ(content(folder / "take.yaml.broken"), "state: [complete");
+  fs::create_directories(root.path() / "empty");
+  EXPECT_THROW(recover_take(root.path() / "empty"), InvalidInput);
+  EXPECT_TRUE(fs::is_empty(root.path() / "empty"));
 }
 
 TEST_F(DamagedTake, RecoveryLeavesACompleteTakeAsItIs) {
