@@ -93,14 +93,11 @@ std::unique_ptr<FilmWriter> make_film_writer(const std::filesystem::path& path, 
 cv::Mat over_background(const cv::Mat& rgba, const recon::Colour& background) {
   cv::Mat rgb(rgba.size(), CV_8UC3);
   for (int row = 0; row < rgba.rows; ++row) {
-    const auto* from = rgba.ptr<cv::Vec4b>(row);
-    auto* to = rgb.ptr<cv::Vec3b>(row);
-    for (int column = 0; column < rgba.cols; ++column) {
-      const int alpha = from[column][3];
-      for (int i = 0; i < 3; ++i)
-        to[column][i] = static_cast<std::uint8_t>(
-            (from[column][i] * alpha + background[static_cast<std::size_t>(i)] * (255 - alpha) + 127) / 255);
-    }
+    const std::uint8_t* from = rgba.ptr(row);
+    std::uint8_t* to = rgb.ptr(row);
+    for (int column = 0; column < rgba.cols; ++column, from += 4)
+      for (std::size_t i = 0; i < 3; ++i)
+        *to++ = static_cast<std::uint8_t>((from[i] * from[3] + background[i] * (255 - from[3]) + 127) / 255);
   }
   return rgb;
 }

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <numbers>
+#include <vector>
 
 #include "config/errors.h"
 #include "playback/performer_place.h"
@@ -60,20 +62,24 @@ int render_orbit(recon::GeometryVideoReader& video, const OrbitFilmOptions& opti
 cv::Mat reduce(const cv::Mat& rgba, int factor) {
   if (factor == 1) return rgba;
   cv::Mat small(rgba.rows / factor, rgba.cols / factor, CV_8UC4);
-  for (int row = 0; row < small.rows; ++row)
-    for (int column = 0; column < small.cols; ++column) {
-      cv::Vec4i sum{};  // colours weighted by their alpha
-      for (int y = row * factor; y < (row + 1) * factor; ++y)
-        for (int x = column * factor; x < (column + 1) * factor; ++x) {
-          const auto& pixel = rgba.at<cv::Vec4b>(y, x);
-          for (int i = 0; i < 3; ++i) sum[i] += pixel[i] * pixel[3];
+  std::vector<std::array<int, 4>> sums(static_cast<std::size_t>(small.cols));  // colours weighted by their alpha
+  for (int row = 0; row < small.rows; ++row) {
+    sums.assign(sums.size(), {});
+    for (int y = row * factor; y < (row + 1) * factor; ++y) {
+      const std::uint8_t* pixel = rgba.ptr(y);
+      for (auto& sum : sums)
+        for (int x = 0; x < factor; ++x, pixel += 4) {
+          for (std::size_t i = 0; i < 3; ++i) sum[i] += pixel[i] * pixel[3];
           sum[3] += pixel[3];
         }
-      auto& pixel = small.at<cv::Vec4b>(row, column);
-      for (int i = 0; i < 3; ++i)
-        pixel[i] = sum[3] > 0 ? static_cast<std::uint8_t>((sum[i] + sum[3] / 2) / sum[3]) : std::uint8_t{0};
-      pixel[3] = static_cast<std::uint8_t>((sum[3] + factor * factor / 2) / (factor * factor));
     }
+    std::uint8_t* pixel = small.ptr(row);
+    for (const auto& sum : sums) {
+      for (std::size_t i = 0; i < 3; ++i)
+        *pixel++ = sum[3] > 0 ? static_cast<std::uint8_t>((sum[i] + sum[3] / 2) / sum[3]) : std::uint8_t{0};
+      *pixel++ = static_cast<std::uint8_t>((sum[3] + factor * factor / 2) / (factor * factor));
+    }
+  }
   return small;
 }
 
