@@ -1,0 +1,51 @@
+#include "recon/colour/spill.h"
+
+#include <algorithm>
+#include <opencv2/imgproc.hpp>
+
+namespace rotunda::recon {
+namespace {
+
+constexpr float kRim = 4.0F;  // pixels: how far in from the outline lens, demosaicing and grazing light carry the spill
+constexpr int kWindow = 21;   // pixels, odd: where the cloth inside is looked at
+
+// By how much the backdrop's channel leads the other two; 0 if it does not.
+cv::Mat lead_of(const cv::Mat& rgb, int own) {
+  cv::Mat channel[3], most, lead;
+  cv::split(rgb, channel);
+  cv::max(channel[own == 0 ? 1 : 0], channel[own == 2 ? 1 : 2], most);
+  cv::subtract(channel[own], most, lead);  // saturates at 0
+  return lead;
+}
+
+// The mean lead of the cloth well inside the outline, around each pixel; 0 where there is none near.
+cv::Mat lead_inside(const cv::Mat& lead, const cv::Mat& depth_in_matte) {
+  cv::Mat deep = depth_in_matte > kRim, share, mean;
+  deep.convertTo(share, CV_32F, 1.0 / 255.0);
+  lead.convertTo(mean, CV_32F);
+  mean = mean.mul(share);
+  cv::boxFilter(mean, mean, CV_32F, {kWindow, kWindow});
+  cv::boxFilter(share, share, CV_32F, {kWindow, kWindow});
+  return mean / cv::max(share, 1e-3F);
+}
+
+}  // namespace
+
+cv::Mat without_spill(const cv::Mat& rgb, const cv::Mat& depth_in_matte, capture::Backdrop backdrop) {
+  const int own = backdrop == capture::Backdrop::blue ? 2 : 1;
+  const cv::Mat lead = lead_of(rgb, own), allowed = lead_inside(lead, depth_in_matte);
+  cv::Mat result = rgb.clone();
+  for (int y = 0; y < rgb.rows; ++y)
+    for (int x = 0; x < rgb.cols; ++x) {
+      const float depth = depth_in_matte.at<float>(y, x);
+      if (depth <= 0.0F || depth > 2.0F * kRim) continue;
+      const float excess = static_cast<float>(lead.at<std::uint8_t>(y, x)) - allowed.at<float>(y, x);
+      const float trust = std::clamp((2.0F * kRim - depth) / kRim, 0.0F, 1.0F);  // fades out a rim's width further in
+      if (excess > 0.0F)
+        result.at<cv::Vec3b>(y, x)[own] =
+            cv::saturate_cast<std::uint8_t>(static_cast<float>(rgb.at<cv::Vec3b>(y, x)[own]) - trust * excess);
+    }
+  return result;
+}
+
+}  // namespace rotunda::recon

@@ -1,0 +1,13 @@
+#pragma once
+// Spill: light off the backdrop on the performer's rim. Taken out only where the evidence is: near the outline, and
+// only as far as the rim leads the cloth just inside of it in the backdrop's colour, so blue clothes stay blue.
+#include <opencv2/core.hpp>
+
+#include "capture/matte/backdrop_plate.h"
+
+namespace rotunda::recon {
+
+// `rgb` CV_8UC3; `depth_in_matte` CV_32FC1: pixels from the outline inwards, 0 outside.
+cv::Mat without_spill(const cv::Mat& rgb, const cv::Mat& depth_in_matte, capture::Backdrop backdrop);
+
+}  // namespace rotunda::recon
