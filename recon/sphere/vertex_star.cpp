@@ -8,6 +8,15 @@
 #include "recon/sphere/spherical_geometry.h"
 
 namespace rotunda::recon {
+namespace {
+
+constexpr double kPower = 2.5;  // a of the energy
+
+double to_power(double x) {
+  return x * x * std::sqrt(x);
+}
+
+}  // namespace
 
 struct VertexStar::Model {
   explicit Model(const Eigen::Vector3d& p) : frame(p) {}
@@ -38,7 +47,7 @@ void VertexStar::set(std::span<const Eigen::Vector3d> ring, std::span<const doub
   sides_.resize(ring_.size());
   for (std::size_t j = 0; j < ring_.size(); ++j) {
     const auto &q = ring_[j], &r = ring_[j + 1 == ring_.size() ? 0 : j + 1];
-    sides_[j] = {q, r, q.cross(r), (q - r).squaredNorm(), weights[j] * weights[j]};
+    sides_[j] = {q, r, q.cross(r), (q - r).squaredNorm(), to_power(weights[j])};
   }
 }
 
@@ -50,27 +59,27 @@ double VertexStar::energy(const Eigen::Vector3d& p) const {
     if (det < kCertain && (det < -kCertain || orientation(p, side.q, side.r) <= 0))
       return std::numeric_limits<double>::infinity();
     const double edges = (p - side.q).squaredNorm() + (p - side.r).squaredNorm() + side.opposite_squared;
-    sum += side.weight_squared * edges / (det * det);
+    sum += side.weight * edges / to_power(det);
   }
   return std::isnan(sum) ? std::numeric_limits<double>::infinity() : sum;
 }
 
-// e = w^2 N / D^2 along p' = (p + t) / |p + t|: to second order D' = D + t.normal - |t|^2 D / 2 and, with
+// e = w^a N / D^a along p' = (p + t) / |p + t|: to second order D' = D + t.normal - |t|^2 D / 2 and, with
 // N = const - 2 p.(q + r), N' = N - 2 t.(q + r) + |t|^2 p.(q + r).
 VertexStar::Model VertexStar::model_at(const Eigen::Vector3d& p) const {
   Model model(p);
   model.slopes.reserve(sides_.size());
   for (const auto& side : sides_) {
-    const double d = std::max(p.dot(side.normal), 1e-14), w = side.weight_squared / (d * d);
+    const double d = std::max(p.dot(side.normal), 1e-14), w = side.weight / to_power(d);
     const double n = (p - side.q).squaredNorm() + (p - side.r).squaredNorm() + side.opposite_squared;
     const Eigen::Vector3d sum = side.q + side.r;
     const Eigen::Vector2d slope_d(model.frame.u.dot(side.normal), model.frame.v.dot(side.normal));
     const Eigen::Vector2d slope_n(-2.0 * model.frame.u.dot(sum), -2.0 * model.frame.v.dot(sum));
     const Eigen::Matrix2d mixed = slope_n * slope_d.transpose();
-    model.gradient += w * (slope_n - (2.0 * n / d) * slope_d);
-    model.hessian +=
-        w * ((6.0 * n / (d * d)) * slope_d * slope_d.transpose() - (2.0 / d) * (mixed + mixed.transpose()));
-    model.hessian.diagonal().array() += w * (2.0 * p.dot(sum) + 2.0 * n);
+    model.gradient += w * (slope_n - (kPower * n / d) * slope_d);
+    model.hessian += w * ((kPower * (kPower + 1.0) * n / (d * d)) * slope_d * slope_d.transpose() -
+                          (kPower / d) * (mixed + mixed.transpose()));
+    model.hessian.diagonal().array() += w * (2.0 * p.dot(sum) + kPower * n);
     model.slopes.push_back(slope_d / d);
   }
   return model;
