@@ -51,7 +51,9 @@ PreparedView prepare(const ColourView& view, const TriangleMesh& occluder, const
   prepared.centre = view.camera.centre();
   prepared.focal_px = std::sqrt(std::abs(view.camera.K(0, 0) * view.camera.K(1, 1)));
   prepared.depth_in_matte = depth_in(view.matte);
-  prepared.rgb = options.remove_spill ? without_spill(view.rgb, prepared.depth_in_matte, options.backdrop) : view.rgb;
+  prepared.rgb = rim_from_inside(
+      options.remove_spill ? without_spill(view.rgb, prepared.depth_in_matte, options.backdrop) : view.rgb,
+      prepared.depth_in_matte);
   prepared.surface = render_depth(occluder, view.camera, options.depth_downscale);
   return prepared;
 }
@@ -69,8 +71,9 @@ Pixel bilinear(const cv::Mat& image, const Eigen::Vector2d& place) {
   return top * (1.0F - v) + bottom * v;
 }
 
-// How much of the depth map's 3 x 3 pixels about the place shows the surface at this depth: 0 for a hidden point, less
-// than 1 near a depth jump on either side of it. What lies beyond the surface's outline is the matte's to judge.
+// How much of the depth map's 3 x 3 pixels about the place shows the surface at this depth: 0 for a point that is
+// hidden or so near to what hides it that its pixels mix both, less than 1 beside a drop to what lies behind. What lies
+// beyond the surface's outline is the matte's to judge.
 double share_seen(const DepthMap& map, const Eigen::Vector2d& place, double depth, double footprint, double slope,
                   double tolerance_px) {
   const int x = static_cast<int>(std::lround(map.from_picture(place.x())));
@@ -80,10 +83,10 @@ double share_seen(const DepthMap& map, const Eigen::Vector2d& place, double dept
   for (int j = std::max(0, y - 1); j <= std::min(map.depth.rows - 1, y + 1); ++j)
     for (int i = std::max(0, x - 1); i <= std::min(map.depth.cols - 1, x + 1); ++i) {
       const double nearest = map.depth.at<float>(j, i);
-      if (i == x && j == y && depth > nearest + tolerance) return 0.0;
+      if (nearest < depth - tolerance) return 0.0;
       if (!std::isfinite(nearest)) continue;
       ++judged;
-      seen += std::abs(nearest - depth) <= tolerance;
+      seen += nearest <= depth + tolerance;
     }
   return judged == 0 ? 1.0 : static_cast<double>(seen) / judged;
 }
