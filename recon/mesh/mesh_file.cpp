@@ -1,0 +1,136 @@
+#include "recon/mesh/mesh_file.h"
+
+#include <fmt/format.h>
+
+#include <OpenMesh/Core/IO/MeshIO.hh>
+#include <OpenMesh/Core/IO/importer/ImporterT.hh>
+#include <OpenMesh/Core/Mesh/PolyMesh_ArrayKernelT.hh>
+#include <cerrno>
+#include <fstream>
+#include <system_error>
+
+#include "config/errors.h"
+
+namespace rotunda::recon {
+namespace {
+
+using OpenMesh::IO::Options;
+using Polygons = OpenMesh::PolyMesh_ArrayKernelT<>;
+
+// Takes vertices as OpenMesh does but keeps every face, manifold or not; knows when the header promised too much.
+class Collector : public OpenMesh::IO::ImporterT<Polygons> {
+ public:
+  Collector(Polygons& vertices, TriangleMesh& mesh, const std::filesystem::path& file)
+      : ImporterT(vertices), vertices_(vertices), mesh_(mesh), file_(file), bytes_(std::filesystem::file_size(file)) {}
+
+  void reserve(unsigned int vertices, unsigned int, unsigned int faces) override {
+    if (static_cast<std::uintmax_t>(vertices) + faces > bytes_)  // each takes a byte at the very least
+      throw CorruptData(file_, 0,
+                        fmt::format("{} vertices and {} faces do not fit in {} bytes", vertices, faces, bytes_));
+    promised_vertices_ = vertices;
+    promised_faces_ = faces;
+  }
+
+  OpenMesh::FaceHandle add_face(const VHandles& corners) override {
+    ++faces_;
+    for (const auto corner : corners)
+      if (corner.idx() < 0 || static_cast<std::size_t>(corner.idx()) >= vertices_.n_vertices())
+        throw CorruptData(
+            file_, 0, fmt::format("face {} names vertex {} of {}", faces_ - 1, corner.idx(), vertices_.n_vertices()));
+    const auto index = [&](std::size_t i) { return static_cast<std::uint32_t>(corners[i].idx()); };
+    for (std::size_t i = 2; i < corners.size(); ++i) mesh_.triangles.push_back({index(0), index(i - 1), index(i)});
+    return OpenMesh::FaceHandle(static_cast<int>(faces_ - 1));  // an invalid one would be told on stderr
+  }
+
+  bool is_complete() const { return vertices_.n_vertices() == promised_vertices_ && faces_ == promised_faces_; }
+
+ private:
+  Polygons& vertices_;
+  TriangleMesh& mesh_;
+  std::filesystem::path file_;
+  std::uintmax_t bytes_;
+  std::size_t promised_vertices_ = 0, promised_faces_ = 0, faces_ = 0;
+};
+
+[[noreturn]] void throw_errno(const std::filesystem::path& file, const char* what) {
+  throw std::system_error(errno != 0 ? errno : EIO, std::generic_category(), file.string() + ": " + what);
+}
+
+// OpenMesh's reader goes on past the end of a stream; this one throws there instead.
+bool read_with_openmesh(std::ifstream& stream, Collector& collector, Options& options) {
+  stream.exceptions(std::ios::failbit | std::ios::badbit);
+  try {
+    return OpenMesh::IO::IOManager().read(stream, ".ply", collector, options);
+  } catch (const std::ios_base::failure&) {
+    return false;
+  }
+}
+
+void copy_vertices(const Polygons& from, const Options& found, TriangleMesh& mesh) {
+  for (const auto v : from.vertices()) {
+    const auto& p = from.point(v);
+    mesh.positions.emplace_back(p[0], p[1], p[2]);
+    if (found.vertex_has_normal()) {
+      const auto& n = from.normal(v);
+      mesh.normals.emplace_back(n[0], n[1], n[2]);
+    }
+    if (found.vertex_has_color()) mesh.colours.push_back({from.color(v)[0], from.color(v)[1], from.color(v)[2]});
+  }
+}
+
+void check(const TriangleMesh& mesh) {
+  const auto fits = [&](std::size_t count) { return count == 0 || count == mesh.positions.size(); };
+  if (!fits(mesh.normals.size()) || !fits(mesh.colours.size()))
+    throw InvalidInput("a mesh to write needs one normal and one colour a position, or none");
+}
+
+Polygons to_polygons(const TriangleMesh& mesh) {
+  Polygons polygons;
+  polygons.request_vertex_normals();
+  polygons.request_vertex_colors();
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+    const auto& p = mesh.positions[i];
+    const auto v = polygons.add_vertex({p.x(), p.y(), p.z()});
+    if (!mesh.normals.empty()) polygons.set_normal(v, {mesh.normals[i].x(), mesh.normals[i].y(), mesh.normals[i].z()});
+    if (!mesh.colours.empty()) polygons.set_color(v, {mesh.colours[i][0], mesh.colours[i][1], mesh.colours[i][2]});
+  }
+  const auto handle = [](std::uint32_t i) { return OpenMesh::VertexHandle(static_cast<int>(i)); };
+  for (const auto& t : mesh.triangles)
+    if (!polygons.add_face({handle(t[0]), handle(t[1]), handle(t[2])}).is_valid())
+      throw InvalidInput("a mesh to write must be a manifold surface");
+  return polygons;
+}
+
+}  // namespace
+
+TriangleMesh read_ply(const std::filesystem::path& file) {
+  errno = 0;
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) throw_errno(file, "cannot be opened");
+  Polygons vertices;
+  vertices.request_vertex_normals();
+  vertices.request_vertex_colors();
+  TriangleMesh mesh;
+  Collector collector(vertices, mesh, file);
+  Options options(Options::VertexNormal | Options::VertexColor);
+  if (!read_with_openmesh(stream, collector, options) || !collector.is_complete())
+    throw CorruptData(file, 0, "is no PLY mesh, or ends early");
+  copy_vertices(vertices, options, mesh);
+  return mesh;
+}
+
+void write_ply(const std::filesystem::path& file, const TriangleMesh& mesh) {
+  check(mesh);
+  const auto polygons = to_polygons(mesh);
+  Options options(Options::Binary);
+  if (!mesh.normals.empty()) options += Options::VertexNormal;
+  if (!mesh.colours.empty()) options += Options::VertexColor;
+  errno = 0;
+  std::ofstream stream(file, std::ios::binary);
+  if (!stream) throw_errno(file, "cannot be created");
+  if (!OpenMesh::IO::write_mesh(polygons, stream, ".ply", options)) throw_errno(file, "cannot be written");
+  stream.close();
+  if (!stream) throw_errno(file, "cannot be written");
+}
+
+}  // namespace rotunda::recon
