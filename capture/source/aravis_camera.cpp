@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 #include <utility>
 
 #include "capture/source/stream_socket.h"
@@ -75,18 +76,33 @@ PixelFormat set_pixel_format(ArvCamera* camera, const SourceSettings& settings) 
   return settings.format;
 }
 
-void set_size(ArvCamera* camera, const SourceSettings& settings, SourceDescription& description) {
-  ErrorCatcher refused;
-  if (settings.width > 0 || settings.height > 0)
-    arv_camera_set_region(camera, 0, 0, settings.width, settings.height, refused.out());
+struct Region {
   int x = 0, y = 0, width = 0, height = 0;
+};
+
+Region read_region(ArvCamera* camera, const SourceSettings& settings) {
+  Region region;
   ask(settings, "reading the image size",
-      [&](GError** e) { arv_camera_get_region(camera, &x, &y, &width, &height, e); });
-  if (refused || (settings.width > 0 && width != settings.width) || (settings.height > 0 && height != settings.height))
+      [&](GError** e) { arv_camera_get_region(camera, &region.x, &region.y, &region.width, &region.height, e); });
+  return region;
+}
+
+// Writes only what differs: some cameras have fixed offsets or sizes and refuse even the value they have.
+void set_size(ArvCamera* camera, const SourceSettings& settings, SourceDescription& description) {
+  Region region = read_region(camera, settings);
+  const int width = settings.width > 0 ? settings.width : region.width;
+  const int height = settings.height > 0 ? settings.height : region.height;
+  ErrorCatcher refused;
+  if (region.width != width || region.height != height) {
+    const int keep = -1;
+    arv_camera_set_region(camera, region.x == 0 ? keep : 0, region.y == 0 ? keep : 0, width, height, refused.out());
+    region = read_region(camera, settings);
+  }
+  if (region.width != width || region.height != height)
     throw DeviceError(settings.camera,
-                      fmt::format("{} does not send {} x {} pixels but {} x {}{}; set width and height "
-                                  "to what it can, or 0 to take it as it is",
-                                  settings.device, settings.width, settings.height, width, height,
+                      fmt::format("{} does not send {} x {} pixels but {} x {}{}; set width and height to what it can, "
+                                  "or to 0 to take it as it is",
+                                  settings.device, width, height, region.width, region.height,
                                   refused ? " (" + refused.message() + ")" : ""));
   description.width = width;
   description.height = height;
@@ -127,7 +143,10 @@ void set_action_keys(ArvCamera* camera, const SourceSettings& settings) {
     require_feature(camera, settings, name, "it knows no action commands: set trigger.mode to software");
     ask(settings, name, [&](GError** e) { arv_camera_set_integer(camera, name, value, e); });
   };
-  if (has_feature(camera, "ActionSelector")) set("ActionSelector", 1);
+  ErrorCatcher error;  // cameras with one action signal may have no selector, or count from 0
+  std::int64_t first = 1, last = 1;
+  arv_camera_get_integer_bounds(camera, "ActionSelector", &first, &last, error.out());
+  if (!error) set("ActionSelector", std::clamp<std::int64_t>(1, first, last));
   set("ActionDeviceKey", settings.device_key);
   set("ActionGroupKey", settings.group_key);
   set("ActionGroupMask", settings.group_mask);
@@ -154,6 +173,15 @@ std::string address_of(GSocketAddress* socket_address) {
   return or_empty(text.get());
 }
 
+// Aravis knows a camera by address, MAC, user name and "vendor-serial", but not by its serial number alone.
+std::string id_of_serial(const std::string& serial) {
+  std::string id;
+  with_device_list([&](unsigned i) {
+    if (serial == or_empty(arv_get_device_serial_nbr(i))) id = or_empty(arv_get_device_id(i));
+  });
+  return id;
+}
+
 int packet_size_for(ArvCamera* camera, const SourceSettings& settings, int mtu) {
   if (settings.packet_size > mtu)
     throw DeviceError(settings.camera, fmt::format("packet_size {} does not fit the link to {}, whose MTU is {}; raise "
@@ -172,9 +200,19 @@ int packet_size_for(ArvCamera* camera, const SourceSettings& settings, int mtu) 
 
 }  // namespace
 
+void with_device_list(const std::function<void(unsigned)>& each) {
+  static std::mutex list_mutex;  // Aravis keeps one list a process and hands out places in it
+  const std::lock_guard lock(list_mutex);
+  arv_update_device_list();
+  for (unsigned i = 0; i < arv_get_n_devices(); ++i) each(i);
+}
+
 GRef<ArvCamera> open_camera(const SourceSettings& settings) {
   ErrorCatcher error;
   GRef<ArvCamera> camera(arv_camera_new(settings.device.c_str(), error.out()));
+  if (!camera && !g_hostname_is_ip_address(settings.device.c_str()))
+    if (const std::string id = id_of_serial(settings.device); !id.empty())
+      camera.reset(arv_camera_new(id.c_str(), nullptr));
   if (!camera)
     throw DeviceError(settings.camera,
                       fmt::format("no camera answers at {} ({}); check its cable, power and address, or "

@@ -1,12 +1,16 @@
 #pragma once
 // Opening a GenICam camera and writing its settings, each read back: what the camera does not take is a DeviceError
 // that names the camera, its answer and what to do.
+#include <functional>
 #include <string>
 
 #include "capture/source/aravis_handle.h"
 #include "capture/source/source.h"
 
 namespace rotunda::capture {
+
+// Calls `each` with the place of every camera that answers now, for arv_get_device_...(); takes a second.
+void with_device_list(const std::function<void(unsigned)>& each);
 
 // Throws DeviceError if nobody answers, or if another program controls the camera.
 GRef<ArvCamera> open_camera(const SourceSettings& settings);

@@ -12,6 +12,7 @@
 #include "capture/source/aravis_camera.h"
 #include "capture/source/buffer_pool.h"
 #include "capture/source/stream_socket.h"
+#include "capture/source/user_name.h"
 
 namespace rotunda::capture {
 
@@ -261,12 +262,14 @@ std::unique_ptr<Source> make_aravis_source(const SourceSettings& settings) {
 
 std::vector<DiscoveredCamera> discover_aravis_cameras() {
   const auto text = [](const char* told) { return std::string(told ? told : ""); };
-  arv_update_device_list();
   std::vector<DiscoveredCamera> cameras;
-  for (unsigned i = 0; i < arv_get_n_devices(); ++i)
-    cameras.push_back({"aravis", text(arv_get_device_address(i)), text(arv_get_device_serial_nbr(i)), "",
+  with_device_list([&](unsigned i) {
+    const bool gige = text(arv_get_device_protocol(i)) == "GigEVision";
+    const std::string address = text(arv_get_device_address(i));
+    cameras.push_back({"aravis", address, text(arv_get_device_serial_nbr(i)), gige ? read_user_name(address) : "",
                        text(arv_get_device_vendor(i)), text(arv_get_device_model(i)),
                        text(arv_get_device_physical_id(i))});
+  });
   return cameras;
 }
 
