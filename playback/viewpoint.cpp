@@ -16,6 +16,16 @@ Viewpoint viewpoint_of(const capture::CameraModel& camera) {
           .t = camera.t};
 }
 
+Viewpoint magnified(const Viewpoint& viewpoint, int factor) {
+  Viewpoint larger = viewpoint;
+  larger.width *= factor;
+  larger.height *= factor;
+  Eigen::Matrix3d scale = Eigen::Vector3d(factor, factor, 1.0).asDiagonal();
+  scale(0, 2) = scale(1, 2) = (factor - 1) / 2.0;  // pixels are named by their centres
+  larger.K = scale * viewpoint.K;
+  return larger;
+}
+
 void Orbit::turn(double azimuth_change, double elevation_change) {
   constexpr double kSteepest = 85.0 * std::numbers::pi / 180.0;  // at 90 degrees "up" is undefined
   azimuth = std::remainder(azimuth + azimuth_change, 2.0 * std::numbers::pi);

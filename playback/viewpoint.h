@@ -23,6 +23,9 @@ struct Viewpoint {
 // Exactly what the camera sees: its size, K, distortion and pose.
 Viewpoint viewpoint_of(const capture::CameraModel& camera);
 
+// The same eye with a picture `factor` times as large: pixel p of the small picture covers factor x factor of these.
+Viewpoint magnified(const Viewpoint& viewpoint, int factor);
+
 // An eye that goes round a target. Azimuth 0 stands on the target's +x side; the world's z is up in the picture.
 struct Orbit {
   Eigen::Vector3d target = Eigen::Vector3d(0.0, 0.0, 1.0);  // world, metres

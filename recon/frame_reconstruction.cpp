@@ -1,0 +1,80 @@
+#include "recon/frame_reconstruction.h"
+
+#include <cmath>
+
+#include "capture/matte/chroma_key.h"
+#include "capture/picture.h"
+#include "recon/colour/surface_colour.h"
+#include "recon/sphere/resample.h"
+#include "recon/video/lattice_normals.h"
+
+namespace rotunda::recon {
+namespace {
+
+capture::Matte matte_for(const cv::Mat& picture, const cv::Mat& background, capture::Backdrop backdrop) {
+  return capture::chroma_key(picture, {.backdrop = backdrop}, background);
+}
+
+std::vector<ColourView> colour_views(const FrameViews& views) {
+  std::vector<ColourView> result;
+  for (std::size_t i = 0; i < views.cameras.size(); ++i)
+    result.push_back({views.cameras[i], views.pictures[i], views.mattes[i]});
+  return result;
+}
+
+std::uint8_t mix(std::uint8_t a, std::uint8_t b, double share) {
+  return static_cast<std::uint8_t>(std::lround(a + (b - a) * share));
+}
+
+}  // namespace
+
+FrameViews key_frame(const capture::FrameSet& frame_set, const StudioViews& studio,
+                     std::span<const capture::Matte> given_mattes, StageClock& clock) {
+  FrameViews views{.cameras = {}, .pictures = {}, .mattes = {}, .backdrop = studio.backdrop};
+  for (std::size_t i = 0; i < frame_set.slots.size(); ++i) {
+    if (!frame_set.slots[i].frame) continue;
+    views.cameras.push_back(studio.cameras[i]);
+    views.pictures.push_back(clock.run("demosaic", [&] { return capture::to_rgb(frame_set.slots[i].frame->image); }));
+    const bool given = i < given_mattes.size() && !given_mattes[i].alpha.empty();
+    views.mattes.push_back(given ? given_mattes[i] : clock.run("key", [&] {
+      return matte_for(views.pictures.back(), studio.backgrounds[i], studio.backdrop);
+    }));
+  }
+  return views;
+}
+
+MappedFrame map_frame(const FrameViews& views, const SurfaceOptions& options, StageClock& clock) {
+  if (views.cameras.size() < 2) return {std::nullopt, "fewer than two cameras have a picture of this frame"};
+  auto surface = clock.run("surface", [&] { return reconstruct_surface(views.cameras, views.mattes, options); });
+  if (!surface.failure.empty()) return {std::nullopt, surface.failure};
+  auto sphere = clock.run("sphere", [&] { return map_to_sphere(surface.mesh); });
+  if (!sphere.map) return {std::nullopt, sphere.report.failure};
+  return {MappedSurface{std::move(surface.mesh), std::move(*sphere.map)}, ""};
+}
+
+GeometryImage sample_frame(const MappedSurface& surface, const FrameViews& views, int level, int colour_level,
+                           StageClock& clock) {
+  auto image = clock.run("resample", [&] { return resample(surface.mesh, surface.map, level); });
+  image.colour_level = colour_level;
+  clock.run("colour", [&] {
+    const auto points = surface_points(surface.mesh, surface.map, colour_level);
+    auto colour = surface_colour(points.positions, points.normals, surface.mesh, colour_views(views),
+                                 {.backdrop = views.backdrop});
+    image.colours = std::move(colour.colours);
+    image.coverage = std::move(colour.coverage);
+    fill_unseen(image);
+  });
+  return image;
+}
+
+GeometryImage interpolate(const GeometryImage& a, const GeometryImage& b, double share) {
+  GeometryImage between = a;
+  for (std::size_t i = 0; i < a.positions.size(); ++i)
+    between.positions[i] += static_cast<float>(share) * (b.positions[i] - a.positions[i]);
+  for (std::size_t i = 0; i < a.colours.size(); ++i)
+    for (std::size_t c = 0; c < 3; ++c) between.colours[i][c] = mix(a.colours[i][c], b.colours[i][c], share);
+  between.normals = lattice_normals(between.positions, between.level);
+  return between;
+}
+
+}  // namespace rotunda::recon

@@ -1,0 +1,51 @@
+#pragma once
+// One FrameSet on its way through the house, as the first paper's figure 1 has it: pictures -> mattes -> closed
+// surface -> sphere -> geometry image with colour. Pure: no files. World frame, metres.
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "capture/camera_model.h"
+#include "capture/frame.h"
+#include "capture/matte/backdrop_plate.h"
+#include "capture/matte/matte.h"
+#include "recon/frame_store.h"
+#include "recon/hull/surface.h"
+#include "recon/stage_clock.h"
+
+namespace rotunda::recon {
+
+// What the cameras of a take show beside the performer; a slot per camera of the take, in its order.
+struct StudioViews {
+  std::vector<capture::CameraModel> cameras;
+  std::vector<cv::Mat> backgrounds;  // RGB clean plates; an empty picture where there is none
+  capture::Backdrop backdrop = capture::Backdrop::blue;
+};
+
+// The cameras that have a picture of this frame, side by side.
+struct FrameViews {
+  std::vector<capture::CameraModel> cameras;
+  std::vector<cv::Mat> pictures;  // RGB
+  std::vector<capture::Matte> mattes;
+  capture::Backdrop backdrop = capture::Backdrop::blue;
+};
+
+// `given_mattes` has a slot per camera as well (an empty alpha: key it); an empty span: key all.
+FrameViews key_frame(const capture::FrameSet& frame_set, const StudioViews& studio,
+                     std::span<const capture::Matte> given_mattes, StageClock& clock);
+
+struct MappedFrame {
+  std::optional<MappedSurface> surface;
+  std::string failure;  // why there is none, e.g. "cam03: empty silhouette"
+};
+MappedFrame map_frame(const FrameViews& views, const SurfaceOptions& options, StageClock& clock);
+
+// The geometry image at `level` with colours at `colour_level`, unseen texels filled.
+GeometryImage sample_frame(const MappedSurface& surface, const FrameViews& views, int level, int colour_level,
+                           StageClock& clock);
+
+// A frame that failed, made from its neighbours: positions and colours in between by `share` (0: a, 1: b).
+GeometryImage interpolate(const GeometryImage& a, const GeometryImage& b, double share);
+
+}  // namespace rotunda::recon

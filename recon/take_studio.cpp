@@ -1,0 +1,83 @@
+#include "recon/take_studio.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "capture/calibration_file.h"
+#include "capture/picture.h"
+#include "config/errors.h"
+#include "config/rig_config.h"
+#include "recon/mesh/mesh_file.h"
+
+namespace rotunda::recon {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The calibration's cameras in the take's order. Tells every camera that is missing or of another size.
+std::vector<capture::CameraModel> cameras_of(const capture::TakeInfo& take, const capture::CalibrationFile& calibration,
+                                             const fs::path& file) {
+  std::vector<capture::CameraModel> cameras;
+  std::string mistakes;
+  for (const auto& camera : take.cameras) {
+    const auto found = std::find_if(calibration.cameras.begin(), calibration.cameras.end(),
+                                    [&](const auto& model) { return model.name == camera.name; });
+    if (found == calibration.cameras.end())
+      mistakes += fmt::format("\n  {} is in the take but not in the calibration", camera.name);
+    else if (found->width != camera.width || found->height != camera.height)
+      mistakes += fmt::format("\n  {} is calibrated for {} x {}, but its pictures are {} x {}", camera.name,
+                              found->width, found->height, camera.width, camera.height);
+    else
+      cameras.push_back(*found);
+  }
+  if (!mistakes.empty())
+    throw InvalidInput(
+        fmt::format("{} does not fit take {}:{}\ncalibrate this rig, or name another file with "
+                    "--calibration",
+                    file.string(), take.name, mistakes));
+  return cameras;
+}
+
+}  // namespace
+
+TakeStudio read_take_studio(const capture::TakeReader& take, const std::optional<fs::path>& calibration_file) {
+  const auto file = calibration_file.value_or(capture::calibration_file(take.folder()));
+  if (!fs::exists(file))
+    throw InvalidInput(fmt::format("{} is missing; name a calibration with --calibration", file.string()));
+  const auto calibration = capture::read_calibration_file(file);
+  TakeStudio studio;
+  studio.unit = calibration.unit;
+  studio.views.cameras = cameras_of(take.info(), calibration, file);
+  for (const auto& camera : take.info().cameras) {
+    const auto background = capture::background_file(take.folder(), camera.name);
+    studio.views.backgrounds.push_back(fs::exists(background) ? capture::read_rgb(background) : cv::Mat());
+  }
+  const auto rig_file = take.folder() / "rig.yaml";
+  if (!fs::exists(rig_file)) return studio;
+  const auto rig = config::load_rig(rig_file);
+  studio.views.backdrop = rig.backdrop == "green" ? capture::Backdrop::green : capture::Backdrop::blue;
+  studio.volume = Eigen::AlignedBox3d(Eigen::Vector3d(rig.volume.min.data()), Eigen::Vector3d(rig.volume.max.data()));
+  return studio;
+}
+
+std::vector<capture::Matte> given_mattes(const capture::TakeReader& take, std::size_t frame) {
+  std::vector<capture::Matte> mattes;
+  for (const auto& camera : take.info().cameras) {
+    const auto file = capture::matte_file(take.folder(), camera.name, frame);
+    mattes.push_back({fs::exists(file) ? capture::read_grey(file) : cv::Mat()});
+  }
+  return mattes;
+}
+
+fs::path geometry_video_of(const fs::path& take) {
+  return take / "recon" / "geometry.mkv";
+}
+
+std::optional<TriangleMesh> frame_surface(const fs::path& take, std::size_t frame) {
+  const auto file = take / "recon" / "frames" / capture::frame_file_name(frame, "ply");
+  if (!fs::exists(file)) return std::nullopt;
+  return read_ply(file);
+}
+
+}  // namespace rotunda::recon
