@@ -1,0 +1,41 @@
+#pragma once
+// The `rotunda` command: a CLI11 application to which each family of commands adds its own. To add a family: write
+// <family>_commands.cpp, declare its add function here, call it in command_line.cpp.
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <optional>
+#include <stop_token>
+#include <string>
+
+namespace rotunda::rig {
+
+struct CommandLine {
+  CLI::App app{"Rotunda: capture rigs, takes, and free-viewpoint films made of them", "rotunda"};
+  bool json = false;
+  std::filesystem::path takes;              // --takes
+  std::filesystem::path daemon;             // --daemon
+  std::function<int(std::stop_token)> run;  // the chosen command; set by its callback
+};
+
+void add_rig_commands(CommandLine& line);     // rig, cameras, status
+void add_take_commands(CommandLine& line);    // take ...
+void add_recon_commands(CommandLine& line);   // recon, map
+void add_render_commands(CommandLine& line);  // render, play
+void add_doctor_command(CommandLine& line);   // doctor
+
+// Where takes lie: --takes, else ROTUNDA_TAKES, else the running daemon's, else ./takes.
+std::filesystem::path takes_folder(const CommandLine& line);
+// A take by path or by name in storage. Throws InvalidInput that lists where it looked and which takes are there.
+std::filesystem::path find_take(const CommandLine& line, const std::string& take);
+
+// Accepts "4s", "500ms", "2min", "1h"; plain numbers are seconds.
+CLI::AsNumberWithUnit seconds();
+// Accepts "10mm", "1cm", "0.01m"; plain numbers are metres.
+CLI::AsNumberWithUnit metres();
+
+// Parses, runs and returns the exit code.
+int run_rotunda(int argc, const char* const* argv);
+
+}  // namespace rotunda::rig

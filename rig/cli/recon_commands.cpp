@@ -1,0 +1,180 @@
+// rotunda recon, map: takes to geometry videos, one mesh to the sphere and back.
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "capture/picture.h"
+#include "config/errors.h"
+#include "config/exit_code.h"
+#include "recon/mesh/mesh_file.h"
+#include "recon/sphere/resample.h"
+#include "recon/sphere/sphere_file.h"
+#include "recon/sphere/sphere_map.h"
+#include "recon/stage_clock.h"
+#include "recon/take_reconstruction.h"
+#include "recon/video/geometry_picture.h"
+#include "rig/cli/command_line.h"
+#include "rig/cli/frame_range.h"
+#include "rig/cli/progress.h"
+
+namespace rotunda::rig {
+namespace {
+
+using nlohmann::json;
+namespace fs = std::filesystem;
+
+json to_json(const std::vector<recon::StageCost>& stages) {
+  json list = json::array();
+  for (const auto& stage : stages)
+    list.push_back({{"stage", stage.stage},
+                    {"count", stage.count},
+                    {"median_ms", stage.median_ms},
+                    {"median_cpu_ms", stage.median_cpu_ms},
+                    {"cpu_s", stage.cpu_s}});
+  return list;
+}
+
+json to_json(const recon::TakeReconstructionReport& report) {
+  json failed = json::array();
+  for (const auto& frame : report.failed) failed.push_back({{"frame", frame.frame}, {"reason", frame.reason}});
+  return {{"video", report.video.string()}, {"frames", report.frames}, {"mapped", report.mapped},
+          {"resumed", report.resumed},      {"failed", failed},        {"interrupted", report.interrupted},
+          {"wall_s", report.wall_s},        {"cpu_s", report.cpu_s},   {"stages", to_json(report.stages)}};
+}
+
+void print_report(const recon::TakeReconstructionReport& report) {
+  fmt::print("{:<10} {:>6} {:>12} {:>12} {:>9}\n", "stage", "runs", "median ms", "CPU ms", "CPU s");
+  for (const auto& stage : report.stages)
+    fmt::print("{:<10} {:>6} {:>12.1f} {:>12.1f} {:>9.1f}\n", stage.stage, stage.count, stage.median_ms,
+               stage.median_cpu_ms, stage.cpu_s);
+  fmt::print("{} of {} frames mapped ({} from an earlier run) in {:.1f} s, {:.1f} s CPU\n", report.mapped,
+             report.frames, report.resumed, report.wall_s, report.cpu_s);
+  for (const auto& frame : report.failed) fmt::print("  frame {} failed: {}\n", frame.frame, frame.reason);
+  if (!report.video.empty()) fmt::print("{}\n", report.video.string());
+}
+
+int tell(const recon::TakeReconstructionReport& report, bool as_json) {
+  if (as_json)
+    fmt::print("{}\n", to_json(report).dump(2));
+  else
+    print_report(report);
+  if (report.interrupted) fmt::print(stderr, "interrupted; the same command goes on where it stopped\n");
+  if (report.mapped == 0 && !report.interrupted) {
+    fmt::print(stderr, "rotunda: no frame could be reconstructed; first reason: {}\n", report.failed.front().reason);
+    return kBadInput;
+  }
+  return report.failed.empty() && !report.interrupted ? kDone : kDoneWithLoss;
+}
+
+struct ReconArguments {
+  std::string take, frames, quality = "full";
+  fs::path calibration, meshes, mattes;
+  recon::TakeReconstructionOptions options;
+};
+
+int reconstruct(const CommandLine& line, ReconArguments arguments, std::stop_token stop) {
+  auto& options = arguments.options;
+  options.take = find_take(line, arguments.take);
+  if (!arguments.frames.empty()) options.frames = frame_range(arguments.frames);
+  if (!arguments.calibration.empty()) options.calibration = arguments.calibration;
+  if (!arguments.meshes.empty()) options.meshes = arguments.meshes;
+  if (!arguments.mattes.empty()) options.mattes = arguments.mattes;
+  if (arguments.quality == "live") options.level = options.colour_level = 7;
+  recon::TakeReconstructionReport report;
+  {
+    Progress bar("recon " + options.take.filename().string());
+    report = recon::reconstruct_take(
+        options, [&](std::size_t done, std::size_t total) { bar.update(done, total); }, std::move(stop));
+  }
+  return tell(report, line.json);
+}
+
+struct MapArguments {
+  fs::path mesh, sphere, remesh, image;
+  int level = 8;
+};
+
+json to_json(const recon::SphereMapReport& report) {
+  return {
+      {"flips", report.flips},
+      {"splits", report.splits},
+      {"area_error", report.area_error},
+      {"area_per_vertex",
+       {{"min", report.spread.min}, {"p5", report.spread.p5}, {"p50", report.spread.p50}, {"p95", report.spread.p95}}},
+      {"failure", report.failure}};
+}
+
+void write_results(const MapArguments& arguments, const recon::TriangleMesh& mesh, const recon::SphereMap& map) {
+  if (!arguments.sphere.empty()) recon::write_sphere_ply(arguments.sphere, mesh, map);
+  if (arguments.remesh.empty() && arguments.image.empty()) return;
+  const auto image = recon::resample(mesh, map, arguments.level);
+  if (!arguments.remesh.empty()) recon::write_ply(arguments.remesh, recon::remesh(image));
+  if (!arguments.image.empty()) capture::write_png(arguments.image, recon::position_picture(image));
+}
+
+int map_mesh(const CommandLine& line, const MapArguments& arguments) {
+  const auto mesh = recon::read_ply(arguments.mesh);
+  recon::StageClock clock;
+  const auto result = clock.run("sphere", [&] { return recon::map_to_sphere(mesh); });
+  if (result.map) clock.run("write", [&] { write_results(arguments, mesh, *result.map); });
+  auto report = to_json(result.report);
+  report["triangles"] = mesh.triangles.size();
+  report["cpu_s"] = clock.costs().front().cpu_s;
+  if (line.json)
+    fmt::print("{}\n", report.dump(2));
+  else if (result.map)
+    fmt::print(
+        "{} triangles on the sphere in {:.2f} s CPU: {} flips, area per vertex p5 / p95 {:.2f} / {:.2f} of the mean\n",
+        mesh.triangles.size(), clock.costs().front().cpu_s, result.report.flips, result.report.spread.p5,
+        result.report.spread.p95);
+  if (result.map) return kDone;
+  fmt::print(stderr, "rotunda: {}: {}\n", arguments.mesh.string(), result.report.failure);
+  return kBadInput;
+}
+
+}  // namespace
+
+void add_recon_commands(CommandLine& line) {
+  auto arguments = std::make_shared<ReconArguments>();
+  auto& options = arguments->options;
+  auto* recon = line.app.add_subcommand("recon", "reconstructs a take's surface and writes its geometry video");
+  recon->add_option("take", arguments->take, "a take's name in storage, or its path")->required();
+  recon->add_option("--quality", arguments->quality, "live (a quarter of the samples) or full")
+      ->check(CLI::IsMember({"live", "full"}))
+      ->capture_default_str();
+  recon->add_flag("--paper", options.paper, "also write the paper's 24-bit geometry.avi");
+  recon->add_option("--cell", options.cell_size, "edge of a hull cell (10mm where the unit is metres)")
+      ->transform(metres());
+  recon->add_option("--triangles", options.triangles, "of the surface before mapping")
+      ->check(CLI::Range(500, 200000))
+      ->capture_default_str();
+  recon->add_option("--calibration", arguments->calibration, "use this instead of the take's own");
+  recon->add_option("--frames", arguments->frames, "A:B, half-open, counted from 0");
+  recon->add_option("--jobs", options.jobs, "frames at once (else one a core)")->check(CLI::Range(1, 256));
+  recon->add_option("--meshes", arguments->meshes, "also write DIR/frame000000.ply: the closed surface before mapping");
+  recon->add_option("--mattes", arguments->mattes, "also write DIR/<camera>/frame000000.png");
+  recon->footer(
+      "Finished frames are kept: an interrupted run goes on where it stopped.\n"
+      "Example:\n  rotunda recon demo --frames 0:25 --meshes surfaces");
+  recon->callback([&line, arguments] {
+    line.run = [&line, arguments](std::stop_token stop) { return reconstruct(line, *arguments, std::move(stop)); };
+  });
+
+  auto mapping = std::make_shared<MapArguments>();
+  auto* map = line.app.add_subcommand("map", "maps one closed mesh to the sphere and back");
+  map->add_option("mesh", mapping->mesh, "a closed genus-0 mesh (PLY)")->required();
+  map->add_option("--level", mapping->level, "2^level + 1 samples a side")
+      ->check(CLI::Range(1, 10))
+      ->capture_default_str();
+  map->add_option("--sphere", mapping->sphere, "write the mesh's vertices on the unit sphere (PLY, double)");
+  map->add_option("--remesh", mapping->remesh, "write the surface read back from the geometry image (PLY)");
+  map->add_option("-o", mapping->image, "write the geometry image as a picture (PNG)");
+  map->footer("Example:\n  rotunda map body.ply --level 8 --sphere sphere.ply --remesh remesh.ply -o image.png");
+  map->callback(
+      [&line, mapping] { line.run = [&line, mapping](std::stop_token) { return map_mesh(line, *mapping); }; });
+}
+
+}  // namespace rotunda::rig

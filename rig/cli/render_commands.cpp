@@ -1,0 +1,300 @@
+// rotunda render, play, show: geometry videos as pictures, films, and in a window.
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <regex>
+
+#include "capture/calibration_file.h"
+#include "capture/picture.h"
+#include "config/errors.h"
+#include "config/exit_code.h"
+#include "playback/contact_sheet.h"
+#include "playback/display/headless.h"
+#include "playback/player.h"
+#include "playback/render/film_writer.h"
+#include "playback/render/geometry_image_renderer.h"
+#include "playback/render/orbit_film.h"
+#include "playback/viewpoint.h"
+#include "recon/stage_clock.h"
+#include "recon/take_studio.h"
+#include "recon/video/geometry_video.h"
+#include "rig/cli/command_line.h"
+#include "rig/cli/frame_range.h"
+#include "rig/cli/progress.h"
+
+namespace rotunda::rig {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+struct RenderArguments {
+  std::string clip, view, frames, size, background;
+  bool orbit = false;
+  std::optional<std::size_t> frame;
+  double turns = 1.0;
+  fs::path output;
+};
+
+// A geometry video by its file, or a take's by the take's name or path.
+fs::path find_video(const CommandLine& line, const std::string& clip) {
+  if (fs::is_regular_file(clip)) return clip;
+  const auto take = find_take(line, clip);
+  const auto video = recon::geometry_video_of(take);
+  if (!fs::exists(video))
+    throw InvalidInput(
+        fmt::format("take {} is not reconstructed yet; first: rotunda recon {}", take.filename().string(), clip));
+  return video;
+}
+
+std::pair<int, int> size_from(const std::string& text) {
+  std::smatch parts;
+  if (!std::regex_match(text, parts, std::regex("([1-9][0-9]{0,4})x([1-9][0-9]{0,4})")))
+    throw InvalidInput("\"" + text + "\" is no picture size; write WIDTHxHEIGHT, such as 1280x720");
+  return {std::stoi(parts[1]), std::stoi(parts[2])};
+}
+
+std::optional<recon::Colour> background_from(const std::string& text) {
+  if (text.empty()) return std::nullopt;
+  std::smatch parts;
+  const std::regex three("([0-9]{1,3}),([0-9]{1,3}),([0-9]{1,3})");
+  recon::Colour colour{};
+  bool good = std::regex_match(text, parts, three);
+  for (std::size_t i = 0; good && i < 3; ++i) {
+    const int value = std::stoi(parts[i + 1]);
+    good = value <= 255;
+    colour[i] = static_cast<std::uint8_t>(value);
+  }
+  if (!good) throw InvalidInput("\"" + text + "\" is no colour; write R,G,B, each 0 to 255, such as 24,26,30");
+  return colour;
+}
+
+// "calibration.yaml:cam03"; the file's own name may hold colons.
+capture::CameraModel camera_from(const std::string& view) {
+  const auto colon = view.rfind(':');
+  if (colon == std::string::npos || colon == 0 || colon + 1 == view.size())
+    throw InvalidInput("\"" + view + "\" names no camera; write CALIBRATION:CAMERA, such as calibration.yaml:cam03");
+  const auto name = view.substr(colon + 1);
+  std::string known;
+  for (const auto& camera : capture::read_calibration(view.substr(0, colon))) {
+    if (camera.name == name) return camera;
+    known += (known.empty() ? "" : ", ") + camera.name;
+  }
+  throw InvalidInput(fmt::format("{} has no camera {}; it has {}", view.substr(0, colon), name, known));
+}
+
+// Frames are named by their number in the take; the video's own count starts at its first frame.
+std::pair<int, int> chosen_frames(const RenderArguments& arguments, const recon::GeometryVideoHeader& header) {
+  const auto first = static_cast<std::size_t>(header.first_frame);
+  const auto end = first + static_cast<std::size_t>(header.frame_count());
+  auto range = std::pair(first, end);
+  if (!arguments.frames.empty()) range = frame_range(arguments.frames);
+  if (arguments.frame) range = {*arguments.frame, *arguments.frame + 1};
+  range.second = std::min(range.second, end);
+  if (range.first < first || range.first >= range.second)
+    throw InvalidInput(
+        fmt::format("the geometry video holds the frames {}:{}; none of them are asked for", first, end));
+  return {static_cast<int>(range.first - first), static_cast<int>(range.second - first)};
+}
+
+int tell(const CommandLine& line, const recon::StageClock& clock, const fs::path& output, bool finished) {
+  const auto costs = clock.costs();
+  if (line.json) {
+    json report{{"output", output.string()}, {"finished", finished}};
+    if (!costs.empty())
+      report.update({{"pictures", costs[0].count}, {"median_ms", costs[0].median_ms}, {"cpu_s", costs[0].cpu_s}});
+    fmt::print("{}\n", report.dump(2));
+  } else if (!costs.empty()) {
+    fmt::print("{:<10} {:>6} {:>12} {:>12} {:>9}\n", "stage", "runs", "median ms", "CPU ms", "CPU s");
+    for (const auto& cost : costs)
+      fmt::print("{:<10} {:>6} {:>12.1f} {:>12.1f} {:>9.1f}\n", cost.stage, cost.count, cost.median_ms,
+                 cost.median_cpu_ms, cost.cpu_s);
+  }
+  if (!finished) fmt::print(stderr, "interrupted; nothing half-made is left\n");
+  return finished ? kDone : kDoneWithLoss;
+}
+
+int render_orbit(const CommandLine& line, const RenderArguments& arguments, recon::GeometryVideoReader& video,
+                 std::stop_token stop) {
+  playback::OrbitFilmOptions options;
+  if (!arguments.size.empty()) std::tie(options.width, options.height) = size_from(arguments.size);
+  std::tie(options.first_frame, options.last_frame) = chosen_frames(arguments, video.header());
+  options.turns = arguments.turns;
+  options.background = background_from(arguments.background);
+  options.stop = stop;
+  Progress bar("rendering");
+  options.progress = [&](int done, int all) {
+    bar.update(static_cast<std::size_t>(done), static_cast<std::size_t>(all));
+  };
+  playback::FilmOptions film_options{.width = options.width, .height = options.height, .fps = video.header().fps};
+  if (options.background) film_options.background = *options.background;
+  const auto film = playback::make_film_writer(arguments.output, film_options);
+  recon::StageClock clock;
+  clock.run("render", [&] { playback::render_orbit(video, options, *film); });
+  return tell(line, clock, arguments.output, !stop.stop_requested());
+}
+
+cv::Mat draw(playback::GeometryImageRenderer& renderer, const playback::Viewpoint& viewpoint,
+             const recon::GeometryImage& image, const std::optional<recon::Colour>& background) {
+  // Drawn twice as large and averaged: edges get their share of alpha.
+  constexpr int kSupersampling = 2;
+  auto larger = playback::magnified(viewpoint, kSupersampling);
+  const playback::RenderTarget target(larger.width, larger.height);
+  target.bind();
+  playback::clear(background);
+  renderer.upload(image);
+  renderer.draw(larger);
+  return playback::reduce(target.read_rgba(), kSupersampling);
+}
+
+playback::Viewpoint viewpoint_for(const RenderArguments& arguments, const recon::GeometryImage& image) {
+  if (!arguments.view.empty()) return playback::viewpoint_of(camera_from(arguments.view));
+  Eigen::AlignedBox3d box;
+  for (const auto& position : image.positions) box.extend(position.cast<double>());
+  const auto [width, height] = size_from(arguments.size.empty() ? "1280x720" : arguments.size);
+  return playback::orbit_around(box).viewpoint(width, height);
+}
+
+int render_view(const CommandLine& line, const RenderArguments& arguments, recon::GeometryVideoReader& video,
+                std::stop_token stop) {
+  if (!arguments.view.empty() && !arguments.size.empty())
+    throw InvalidInput("--view draws through that camera at its own size; leave --size out");
+  const auto [first, end] = chosen_frames(arguments, video.header());
+  const auto viewpoint = viewpoint_for(arguments, video.read(first));
+  const auto background = background_from(arguments.background);
+  const bool one_picture = arguments.output.extension() == ".png";
+  if (one_picture && end - first > 1)
+    throw InvalidInput(
+        fmt::format("{} holds one picture, {} frames are asked for; add --frame N, or name a folder or "
+                    "film.mp4 with -o",
+                    arguments.output.string(), end - first));
+  std::unique_ptr<playback::FilmWriter> film;
+  if (!one_picture)
+    film = playback::make_film_writer(
+        arguments.output, {.width = viewpoint.width, .height = viewpoint.height, .fps = video.header().fps});
+  playback::GeometryImageRenderer renderer;
+  recon::StageClock clock;
+  Progress bar("rendering");
+  for (int frame = first; frame < end && !stop.stop_requested(); ++frame) {
+    const auto image = video.read(frame);
+    clock.run("render", [&] {
+      const auto picture = draw(renderer, viewpoint, image, background);
+      if (film)
+        film->write(picture);
+      else
+        capture::write_png(arguments.output, picture);
+    });
+    bar.update(static_cast<std::size_t>(frame - first + 1), static_cast<std::size_t>(end - first));
+  }
+  if (film && !stop.stop_requested()) film->finish();
+  return tell(line, clock, arguments.output, !stop.stop_requested());
+}
+
+int render(const CommandLine& line, const RenderArguments& arguments, std::stop_token stop) {
+  if (arguments.orbit && (!arguments.view.empty() || arguments.frame))
+    throw InvalidInput("--orbit goes round by itself; leave --view and --frame out");
+  recon::GeometryVideoReader video(find_video(line, arguments.clip));
+  const playback::HeadlessDisplay display;
+  return arguments.orbit ? render_orbit(line, arguments, video, std::move(stop))
+                         : render_view(line, arguments, video, std::move(stop));
+}
+
+int play(const CommandLine& line, const std::string& clip, playback::PlayOptions options, std::stop_token stop) {
+  recon::GeometryVideoReader video(find_video(line, clip));
+  options.stop = std::move(stop);
+  const auto report = playback::play(video, options);
+  if (line.json)
+    fmt::print("{}\n", json{{"pictures", report.pictures},
+                            {"frames", report.frames},
+                            {"late", report.late},
+                            {"seconds", report.seconds}}
+                           .dump(2));
+  return kDone;
+}
+
+json header_report(const recon::GeometryVideoHeader& header) {
+  json failed = json::array();
+  for (int i = 0; i < header.frame_count(); ++i)
+    if (header.statuses[static_cast<std::size_t>(i)].interpolated)
+      failed.push_back(
+          {{"frame", header.first_frame + i}, {"reason", header.statuses[static_cast<std::size_t>(i)].reason}});
+  return {{"frames", header.frame_count()}, {"first_frame", header.first_frame},   {"fps", header.fps},
+          {"level", header.level},          {"colour_level", header.colour_level}, {"interpolated", failed}};
+}
+
+int show(const CommandLine& line, const std::string& clip, const fs::path& picture, std::size_t frame) {
+  if (!picture.empty()) {
+    if (fs::is_regular_file(clip)) throw InvalidInput("--picture shows a take; name the take instead of " + clip);
+    capture::write_png(picture, playback::contact_sheet(find_take(line, clip), {.frame = frame}));
+    if (!line.json) fmt::print("{}\n", picture.string());
+    return kDone;
+  }
+  const recon::GeometryVideoReader video(find_video(line, clip));
+  const auto report = header_report(video.header());
+  if (line.json)
+    fmt::print("{}\n", report.dump(2));
+  else
+    fmt::print("{} frames from {} on at {} Hz, level {}, {} interpolated\n", video.frame_count(),
+               video.header().first_frame, video.header().fps, video.header().level, report["interpolated"].size());
+  return kDone;
+}
+
+void add_render(CommandLine& line) {
+  auto arguments = std::make_shared<RenderArguments>();
+  auto* app = line.app.add_subcommand("render", "draws a geometry video from any viewpoint");
+  app->add_option("clip", arguments->clip, "a take, by name or path, or a geometry video's file")->required();
+  auto* view = app->add_option("--view", arguments->view, "CALIBRATION:CAMERA: exactly through that camera");
+  app->add_flag("--orbit", arguments->orbit, "a film that goes round the performer")->excludes(view);
+  app->add_option("--turns", arguments->turns, "of the orbit")->capture_default_str();
+  auto* frames = app->add_option("--frames", arguments->frames, "A:B, half-open, counted from 0");
+  app->add_option("--frame", arguments->frame, "this frame alone")->excludes(frames);
+  app->add_option("--size", arguments->size, "WIDTHxHEIGHT (1280x720)");
+  app->add_option("--background", arguments->background, "R,G,B; else PNG pictures have straight alpha");
+  app->add_option("-o,--output", arguments->output, "FILE.png, FILE.mp4 or a folder of pictures")->required();
+  app->footer(
+      "Examples:\n  rotunda render demo --orbit -o orbit.mp4\n"
+      "  rotunda render demo --view calibration.yaml:cam03 --frame 12 -o view.png");
+  app->callback([&line, arguments] {
+    line.run = [&line, arguments](std::stop_token stop) { return render(line, *arguments, std::move(stop)); };
+  });
+}
+
+void add_play(CommandLine& line) {
+  auto clip = std::make_shared<std::string>();
+  auto options = std::make_shared<playback::PlayOptions>();
+  auto* app = line.app.add_subcommand("play", "plays a take's geometry video in a window");
+  app->add_option("clip", *clip, "a take, by name or path, or a geometry video's file")->required();
+  app->add_flag("--fullscreen", options->fullscreen, "fill the screen");
+  app->footer(
+      "Keys: space pauses, arrows and mouse go round, + - zoom, . , step, g grey, q ends.\n"
+      "Example:\n  rotunda play demo");
+  app->callback([&line, clip, options] {
+    line.run = [&line, clip, options](std::stop_token stop) { return play(line, *clip, *options, std::move(stop)); };
+  });
+}
+
+void add_show(CommandLine& line) {
+  auto clip = std::make_shared<std::string>();
+  auto picture = std::make_shared<fs::path>();
+  auto frame = std::make_shared<std::size_t>(0);
+  auto* app = line.app.add_subcommand("show", "what a geometry video holds; a take as a contact sheet");
+  app->add_option("clip", *clip, "a take, by name or path, or a geometry video's file")->required();
+  app->add_option("--picture", *picture, "write a contact sheet of the take (PNG)");
+  app->add_option("--frame", *frame, "of the contact sheet")->capture_default_str();
+  app->footer("Example:\n  rotunda show demo --picture contact.png");
+  app->callback([&line, clip, picture, frame] {
+    line.run = [&line, clip, picture, frame](std::stop_token) { return show(line, *clip, *picture, *frame); };
+  });
+}
+
+}  // namespace
+
+void add_render_commands(CommandLine& line) {
+  add_render(line);
+  add_play(line);
+  add_show(line);
+}
+
+}  // namespace rotunda::rig

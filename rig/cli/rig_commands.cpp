@@ -1,0 +1,154 @@
+// rotunda rig init, cameras, status: what is connected and how it does.
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "capture/source/source.h"
+#include "config/errors.h"
+#include "config/exit_code.h"
+#include "config/rig_config.h"
+#include "rig/cli/command_line.h"
+#include "rig/client.h"
+
+namespace rotunda::rig {
+namespace {
+
+using nlohmann::json;
+namespace fs = std::filesystem;
+
+void write_new_file(const fs::path& file, const std::string& text) {
+  if (fs::exists(file))
+    throw InvalidInput(file.string() + " exists already and stays as it is; name another file with -o");
+  std::ofstream stream(file);
+  if (!(stream << text)) throw std::system_error(errno, std::generic_category(), "cannot write " + file.string());
+}
+
+int init_rig(const fs::path& file) {
+  const auto found = capture::discover_cameras();
+  if (found.empty())
+    throw DeviceError("rig init",
+                      "no camera answers; check power, cables and that the cameras share a subnet with "
+                      "this machine (rotunda-sim serves simulated ones)");
+  config::RigConfig rig;
+  rig.name = file.stem().string();
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    config::CameraConfig camera;
+    camera.name = fmt::format("cam{:02}", i);
+    camera.source = found[i].kind;
+    camera.find_by = found[i].serial.empty() ? "address" : "serial";
+    camera.device = found[i].serial.empty() ? found[i].address : found[i].serial;
+    rig.cameras.push_back(camera);
+  }
+  write_new_file(file, config::rig_file_text(rig));
+  fmt::print("{}: {} cameras\nnext: rotundad --rig {}\n", file.string(), found.size(), file.string());
+  return kDone;
+}
+
+int list_cameras(bool as_json) {
+  const auto found = capture::discover_cameras();
+  json cameras = json::array();
+  for (const auto& camera : found)
+    cameras.push_back({{"kind", camera.kind},
+                       {"address", camera.address},
+                       {"serial", camera.serial},
+                       {"user_name", camera.user_name},
+                       {"vendor", camera.vendor},
+                       {"model", camera.model},
+                       {"mac", camera.mac}});
+  if (as_json) {
+    fmt::print("{}\n", json{{"cameras", cameras}}.dump(2));
+    return kDone;
+  }
+  fmt::print("{:<8} {:<16} {:<18} {:<12} {}\n", "kind", "address", "serial", "name", "model");
+  for (const auto& camera : found)
+    fmt::print("{:<8} {:<16} {:<18} {:<12} {} {}\n", camera.kind, camera.address, camera.serial, camera.user_name,
+               camera.vendor, camera.model);
+  if (found.empty()) fmt::print("no camera answers\n");
+  return kDone;
+}
+
+json to_json(const RigStatus& status) {
+  json cameras = json::array();
+  for (const auto& camera : status.cameras)
+    cameras.push_back({{"name", camera.name},
+                       {"device", camera.device},
+                       {"state", camera.state},
+                       {"model", camera.model},
+                       {"serial", camera.serial},
+                       {"width", camera.width},
+                       {"height", camera.height},
+                       {"pixel_format", camera.pixel_format},
+                       {"frames", camera.frames},
+                       {"incomplete", camera.incomplete},
+                       {"resend_requests", camera.resend_requests},
+                       {"packet_size", camera.packet_size},
+                       {"socket_buffer_bytes", camera.socket_buffer_bytes},
+                       {"problem", camera.problem}});
+  return {{"rig", status.rig},
+          {"state", status.state},
+          {"trigger", status.trigger},
+          {"rate_hz", status.rate_hz},
+          {"takes_folder", status.takes_folder.string()},
+          {"disk_free_bytes", status.disk_free_bytes},
+          {"seconds_left", status.seconds_left},
+          {"take",
+           {{"name", status.take.name},
+            {"frame_sets", status.take.frame_sets},
+            {"complete", status.take.complete},
+            {"closed", status.take.closed},
+            {"failure", status.take.failure}}},
+          {"late_triggers", status.late_triggers},
+          {"late_frames", status.late_frames},
+          {"queued_frame_sets", status.queued_frame_sets},
+          {"warnings", status.warnings},
+          {"cameras", cameras}};
+}
+
+void print_status(const RigStatus& status) {
+  fmt::print("{}: {}, trigger {} at {} Hz, takes in {}, {:.1f} min of recording left\n", status.rig, status.state,
+             status.trigger, status.rate_hz, status.takes_folder.string(), status.seconds_left / 60.0);
+  if (!status.take.name.empty())
+    fmt::print("take {}: {} frame sets, {} complete{}\n", status.take.name, status.take.frame_sets,
+               status.take.complete, status.take.closed ? "" : ", recording");
+  for (const auto& warning : status.warnings) fmt::print("warning: {}\n", warning);
+  fmt::print("\n{:<8} {:<16} {:<10} {:>11} {:<10} {:>8} {:>10} {:>8}\n", "camera", "device", "state", "size", "format",
+             "frames", "incomplete", "resends");
+  for (const auto& camera : status.cameras) {
+    fmt::print("{:<8} {:<16} {:<10} {:>11} {:<10} {:>8} {:>10} {:>8}\n", camera.name, camera.device, camera.state,
+               fmt::format("{}x{}", camera.width, camera.height), camera.pixel_format, camera.frames, camera.incomplete,
+               camera.resend_requests);
+    if (!camera.problem.empty()) fmt::print("         {}\n", camera.problem);
+  }
+}
+
+int show_status(const CommandLine& line) {
+  const auto status = RigClient(daemon_socket(line.daemon)).status();
+  if (line.json)
+    fmt::print("{}\n", to_json(status).dump(2));
+  else
+    print_status(status);
+  return kDone;
+}
+
+}  // namespace
+
+void add_rig_commands(CommandLine& line) {
+  auto* rig = line.app.add_subcommand("rig", "rig files")->require_subcommand(1);
+  auto* init = rig->add_subcommand("init", "writes a rig file with every camera that answers");
+  auto file = std::make_shared<fs::path>("rig.yaml");
+  init->add_option("-o", *file, "the file to write")->capture_default_str();
+  init->footer("Example:\n  rotunda rig init -o studio.yaml");
+  init->callback([&line, file] { line.run = [file](std::stop_token) { return init_rig(*file); }; });
+
+  auto* cameras = line.app.add_subcommand("cameras", "lists every camera that answers on this machine's links");
+  cameras->footer("Example:\n  rotunda cameras --json");
+  cameras->callback([&line] { line.run = [&line](std::stop_token) { return list_cameras(line.json); }; });
+
+  auto* status = line.app.add_subcommand("status", "how the daemon, its cameras and the running take do");
+  status->footer("Example:\n  rotunda status");
+  status->callback([&line] { line.run = [&line](std::stop_token) { return show_status(line); }; });
+}
+
+}  // namespace rotunda::rig

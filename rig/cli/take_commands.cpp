@@ -1,0 +1,289 @@
+// rotunda take start | stop | list | show | verify | recover | import | export.
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "capture/take/take.h"
+#include "capture/take/take_export.h"
+#include "capture/take/take_import.h"
+#include "capture/take/take_reader.h"
+#include "capture/take/take_recovery.h"
+#include "capture/take/take_verify.h"
+#include "config/errors.h"
+#include "config/exit_code.h"
+#include "rig/cli/command_line.h"
+#include "rig/cli/progress.h"
+#include "rig/client.h"
+
+namespace rotunda::rig {
+namespace {
+
+using nlohmann::json;
+namespace fs = std::filesystem;
+
+json to_json(const TakeProgress& take) {
+  return {{"name", take.name},         {"folder", take.folder.string()}, {"frame_sets", take.frame_sets},
+          {"complete", take.complete}, {"closed", take.closed},          {"failure", take.failure},
+          {"warnings", take.warnings}};
+}
+
+int tell_take(const TakeProgress& take, bool as_json) {
+  if (as_json)
+    fmt::print("{}\n", to_json(take).dump(2));
+  else
+    fmt::print("take {}: {} frame sets, {} complete{}\n  {}\n", take.name, take.frame_sets, take.complete,
+               take.closed ? "" : ", recording; stop it with: rotunda take stop", take.folder.string());
+  for (const auto& warning : take.warnings) fmt::print(stderr, "warning: {}\n", warning);
+  if (!take.failure.empty()) {
+    fmt::print(stderr, "rotunda: take {} ended early: {}\n", take.name, take.failure);
+    return kDeviceFailed;
+  }
+  return take.closed && (take.complete < take.frame_sets || take.frame_sets == 0) ? kDoneWithLoss : kDone;
+}
+
+int start_take(const CommandLine& line, const TakeRequest& request, std::stop_token stop) {
+  RigClient client(daemon_socket(line.daemon));
+  const bool until_closed = request.duration_s > 0.0 || request.frame_sets > 0;
+  TakeProgress take;
+  {
+    Progress bar("recording");
+    take = client.start_take(
+        request,
+        [&](const TakeProgress& progress) {
+          if (progress.wanted > 0) bar.update(progress.frame_sets, progress.wanted);
+          return until_closed || progress.complete == 0;
+        },
+        stop);
+  }
+  return tell_take(take, line.json);
+}
+
+json to_json(const capture::TakeInfo& info) {
+  json cameras = json::array();
+  for (const auto& camera : info.cameras)
+    cameras.push_back({{"name", camera.name},
+                       {"width", camera.width},
+                       {"height", camera.height},
+                       {"format", to_string(camera.format)},
+                       {"frames", camera.frames},
+                       {"missing", camera.missing}});
+  return {{"name", info.name}, {"state", to_string(info.state)}, {"fps", info.fps},
+          {"rig", info.rig},   {"recorded", info.recorded},      {"slate", info.slate},
+          {"note", info.note}, {"frame_sets", info.frame_sets},  {"complete", info.complete_sets},
+          {"cameras", cameras}};
+}
+
+int list_takes(const CommandLine& line) {
+  const auto root = takes_folder(line);
+  std::vector<std::string> problems;
+  const auto takes = capture::list_takes(root, &problems);
+  if (line.json) {
+    json list = json::array();
+    for (const auto& take : takes) list.push_back(to_json(take));
+    fmt::print("{}\n", json{{"folder", root.string()}, {"takes", list}}.dump(2));
+  } else {
+    fmt::print("{:<20} {:<10} {:>10} {:>9} {:>8} {:>5}  {}\n", "take", "state", "frame sets", "complete", "cameras",
+               "fps", "note");
+    for (const auto& take : takes)
+      fmt::print("{:<20} {:<10} {:>10} {:>9} {:>8} {:>5}  {}\n", take.name, to_string(take.state), take.frame_sets,
+                 take.complete_sets, take.cameras.size(), take.fps, take.note);
+    if (takes.empty()) fmt::print("no takes in {}\n", root.string());
+  }
+  for (const auto& problem : problems) fmt::print(stderr, "warning: {}\n", problem);
+  return kDone;
+}
+
+int show_take(const CommandLine& line, const std::string& name) {
+  const auto folder = find_take(line, name);
+  const capture::TakeReader reader(folder);
+  const auto& info = reader.info();
+  if (line.json) {
+    fmt::print("{}\n", to_json(info).dump(2));
+    return kDone;
+  }
+  fmt::print("{} ({})\n  {}, {} frame sets at {} Hz, {} complete\n", info.name, folder.string(), to_string(info.state),
+             info.frame_sets, info.fps, info.complete_sets);
+  if (!info.recorded.empty())
+    fmt::print("  recorded {}{}\n", info.recorded, info.rig.empty() ? "" : " by rig " + info.rig);
+  if (!info.note.empty()) fmt::print("  note: {}\n", info.note);
+  for (const auto& camera : info.cameras)
+    fmt::print("  {:<10} {} x {} {:<9} {} frames, {} missing\n", camera.name, camera.width, camera.height,
+               to_string(camera.format), camera.frames, camera.missing);
+  for (const auto& problem : reader.problems()) fmt::print("  problem: {}\n", problem);
+  return kDone;
+}
+
+json to_json(const capture::TakeReport& report) {
+  json cameras = json::array(), gaps = json::array();
+  for (const auto& camera : report.cameras)
+    cameras.push_back(
+        {{"name", camera.name}, {"frames", camera.frames}, {"missing", camera.missing}, {"corrupt", camera.corrupt}});
+  for (const auto& gap : report.gaps)
+    gaps.push_back({{"camera", gap.camera}, {"first_trigger", gap.first_trigger}, {"frames", gap.frames}});
+  return {{"name", report.name},
+          {"state", to_string(report.state)},
+          {"frame_sets", report.frame_sets},
+          {"complete", report.complete},
+          {"incomplete", report.incomplete},
+          {"cameras", cameras},
+          {"gaps", gaps},
+          {"problems", report.problems},
+          {"whole", report.whole()}};
+}
+
+int tell_report(const capture::TakeReport& report, bool as_json) {
+  if (as_json) {
+    fmt::print("{}\n", to_json(report).dump(2));
+    return report.whole() ? kDone : kDoneWithLoss;
+  }
+  fmt::print("take {} ({}): {} frame sets, {} complete, {} incomplete\n", report.name, to_string(report.state),
+             report.frame_sets, report.complete, report.incomplete);
+  for (const auto& camera : report.cameras)
+    if (camera.missing > 0 || camera.corrupt > 0)
+      fmt::print("  {}: {} missing, {} corrupt\n", camera.name, camera.missing, camera.corrupt);
+  for (const auto& gap : report.gaps)
+    fmt::print("  {}: {} frames missing from trigger {} on\n", gap.camera, gap.frames, gap.first_trigger);
+  for (const auto& problem : report.problems) fmt::print("  problem: {}\n", problem);
+  if (report.state == capture::TakeState::recording)
+    fmt::print("  it was never closed; count and close it with: rotunda take recover {}\n", report.name);
+  return report.whole() ? kDone : kDoneWithLoss;
+}
+
+using Check = capture::TakeReport (*)(const fs::path&, const capture::Progress&, std::stop_token);
+
+int check_take(const CommandLine& line, const std::string& name, const char* what, Check check, std::stop_token stop) {
+  const auto folder = find_take(line, name);
+  capture::TakeReport report;
+  {
+    Progress bar(what);
+    report = check(
+        folder, [&](std::size_t done, std::size_t total) { bar.update(done, total); }, stop);
+  }
+  return tell_report(report, line.json);
+}
+
+int import_take(const CommandLine& line, capture::TakeImportOptions options, std::stop_token stop) {
+  options.takes = takes_folder(line);
+  capture::TakeInfo info;
+  {
+    Progress bar("importing");
+    info = capture::import_take(
+        options, [&](std::size_t done, std::size_t total) { bar.update(done, total); }, stop);
+  }
+  if (line.json)
+    fmt::print("{}\n", to_json(info).dump(2));
+  else
+    fmt::print("take {}: {} frame sets of {} cameras\n  next: rotunda recon {}\n", info.name, info.frame_sets,
+               info.cameras.size(), info.name);
+  return kDone;
+}
+
+int export_take(const CommandLine& line, const std::string& name, const fs::path& folder, std::stop_token stop) {
+  const capture::TakeReader reader(find_take(line, name));
+  capture::TakeExportResult result;
+  {
+    Progress bar("exporting");
+    result = capture::export_take(
+        reader, folder, [&](std::size_t d, std::size_t n) { bar.update(d, n); }, stop);
+  }
+  if (line.json)
+    fmt::print("{}\n", json{{"written", result.written}, {"missing", result.missing}}.dump(2));
+  else
+    fmt::print("{} pictures in {}, {} missing\n", result.written, folder.string(), result.missing);
+  return result.missing > 0 ? kDoneWithLoss : kDone;
+}
+
+// Adds a command that works on one take given by name or path.
+CLI::App* add_on_take(CLI::App& take, CommandLine& line, const std::string& command, const std::string& what,
+                      std::function<int(const std::string&, std::stop_token)> work) {
+  auto* app = take.add_subcommand(command, what);
+  auto name = std::make_shared<std::string>();
+  app->add_option("take", *name, "a take's name in storage, or its path")->required();
+  app->footer("Example:\n  rotunda take " + command + " demo");
+  app->callback([&line, name, work = std::move(work)] {
+    line.run = [name, work](std::stop_token stop) { return work(*name, std::move(stop)); };
+  });
+  return app;
+}
+
+void add_start(CLI::App& take, CommandLine& line) {
+  auto* start = take.add_subcommand("start", "records a take");
+  auto request = std::make_shared<TakeRequest>();
+  start->add_option("name", request->name, "the take's name (else the next free take001, take002, ...)");
+  start->add_option("--duration", request->duration_s, "record so long, then return with the take closed")
+      ->transform(seconds());
+  start->add_option("--frames", request->frame_sets, "record so many frame sets")->check(CLI::PositiveNumber);
+  start->add_option("--note", request->note, "a note kept with the take");
+  start->footer(
+      "Without --duration it returns when the first complete frame set is on disk.\n"
+      "Example:\n  rotunda take start demo --duration 4s --note 'second try'");
+  start->callback([&line, request] {
+    line.run = [&line, request](std::stop_token stop) { return start_take(line, *request, std::move(stop)); };
+  });
+}
+
+void add_import(CLI::App& take, CommandLine& line) {
+  auto* import = take.add_subcommand("import", "makes a take of pictures from elsewhere");
+  auto options = std::make_shared<capture::TakeImportOptions>();
+  import->add_option("name", options->name, "the new take's name")->required();
+  import->add_option("--images", options->images, "DIR/<camera>/*.png or *.jpg, in the order of their names")
+      ->required();
+  import->add_option("--calibration", options->calibration, "calibration.yaml of these cameras")->required();
+  import->add_option("--fps", options->fps, "frame sets a second")
+      ->capture_default_str()
+      ->check(CLI::Range(0.01, 10000.0));
+  import->add_option("--background", options->background, "DIR/<camera>.png: the empty studio");
+  import->add_option("--mattes", options->mattes, "DIR/<camera>/*.png: given mattes, used instead of the key");
+  import->footer("Example:\n  rotunda take import dance --images shots --calibration calibration.yaml --fps 30");
+  import->callback([&line, options] {
+    line.run = [&line, options](std::stop_token stop) { return import_take(line, *options, std::move(stop));
+};
+}  // namespace
+);
+}  // namespace rotunda::rig
+
+void add_export(CLI::App& take, CommandLine& line) {
+  auto folder = std::make_shared<fs::path>();
+  auto* app = add_on_take(take, line, "export", "writes a take's frames as pictures",
+                          [&line, folder](const std::string& name, std::stop_token stop) {
+                            return export_take(line, name, *folder, std::move(stop));
+                          });
+  app->add_option("--images", *folder, "DIR/<camera>/frame000000.png")->required();
+  app->footer("Example:\n  rotunda take export demo --images shots");
+}
+
+}  // namespace
+
+void add_take_commands(CommandLine& line) {
+  auto* take =
+      line.app.add_subcommand("take", "records, checks, lists, imports and exports takes")->require_subcommand(1);
+  add_start(*take, line);
+  auto* stop = take->add_subcommand("stop", "stops the running take and waits until it is closed");
+  stop->footer("Example:\n  rotunda take stop");
+  stop->callback([&line] {
+    line.run = [&line](std::stop_token) {
+      return tell_take(RigClient(daemon_socket(line.daemon)).stop_take(), line.json);
+    };
+  });
+  auto* list = take->add_subcommand("list", "the takes in storage");
+  list->footer("Example:\n  rotunda take list --json");
+  list->callback([&line] { line.run = [&line](std::stop_token) { return list_takes(line); }; });
+  add_on_take(*take, line, "show", "what a take holds",
+              [&line](const std::string& name, std::stop_token) { return show_take(line, name); });
+  add_on_take(*take, line, "verify", "reads every frame and checks it against its checksum",
+              [&line](const std::string& name, std::stop_token stopping) {
+                return check_take(line, name, "verifying", capture::verify_take, std::move(stopping));
+              });
+  add_on_take(*take, line, "recover", "closes a take whose recording was cut off; recorded frames stay untouched",
+              [&line](const std::string& name, std::stop_token stopping) {
+                return check_take(line, name, "recovering", capture::recover_take, std::move(stopping));
+              });
+  add_import(*take, line);
+  add_export(*take, line);
+}
+
+}  // namespace rotunda::rig

@@ -1,0 +1,72 @@
+#pragma once
+// The daemon as its clients see it: one connection to the control API on a Unix socket.
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+namespace rotunda::rig {
+
+struct TakeProgress {
+  std::string name;
+  std::filesystem::path folder;
+  std::uint64_t frame_sets = 0;  // on disk so far
+  std::uint64_t complete = 0;    // of these, with a frame of every camera
+  std::uint64_t wanted = 0;      // 0: until stopped
+  bool closed = false;
+  std::string failure;  // why recording ended early
+  std::vector<std::string> warnings;
+};
+
+struct CameraStatus {
+  std::string name, device, state, model, serial, pixel_format, problem;
+  std::uint32_t width = 0, height = 0, packet_size = 0, socket_buffer_bytes = 0;
+  std::uint64_t frames = 0, incomplete = 0, resend_requests = 0;
+};
+
+struct RigStatus {
+  std::string rig, state, trigger;
+  double rate_hz = 0.0;
+  std::filesystem::path takes_folder;
+  std::uint64_t disk_free_bytes = 0;
+  double seconds_left = 0.0;
+  TakeProgress take;
+  std::vector<CameraStatus> cameras;
+  std::uint64_t late_triggers = 0, late_frames = 0, queued_frame_sets = 0;
+  std::vector<std::string> warnings;
+};
+
+struct TakeRequest {
+  std::string name;  // empty: the next free one
+  std::uint64_t frame_sets = 0;
+  double duration_s = 0.0;  // used when frame_sets is 0; both 0: until stopped
+  std::string note;
+};
+
+// Where the daemon listens: `given`, else ROTUNDA_SOCKET, else $XDG_RUNTIME_DIR/rotunda.sock, else /run/rotunda.sock.
+std::filesystem::path daemon_socket(const std::filesystem::path& given = {});
+
+// Every call throws DeviceError if the daemon does not answer or refuses for its own reasons, InvalidInput if it
+// refuses the request.
+class RigClient {
+ public:
+  explicit RigClient(const std::filesystem::path& socket);
+  ~RigClient();
+  RigClient(RigClient&&) noexcept;
+
+  RigStatus status();
+  // Calls `on_progress` at every change until it returns false or the take is closed. A stop request stops the take
+  // and still waits for it to be closed.
+  TakeProgress start_take(const TakeRequest& request, const std::function<bool(const TakeProgress&)>& on_progress,
+                          std::stop_token stop);
+  TakeProgress stop_take();
+
+ private:
+  struct Connection;
+  std::unique_ptr<Connection> connection_;
+};
+
+}  // namespace rotunda::rig

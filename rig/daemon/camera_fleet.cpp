@@ -1,0 +1,95 @@
+#include "rig/daemon/camera_fleet.h"
+
+#include <algorithm>
+#include <chrono>
+
+namespace rotunda::rig {
+namespace {
+
+using namespace std::chrono_literals;
+
+capture::TriggerMode trigger_mode_from(const std::string& word) {
+  if (word == "action") return capture::TriggerMode::action;
+  return word == "software" ? capture::TriggerMode::software : capture::TriggerMode::freerun;
+}
+
+// Beyond the recorder's queue a camera's frames wait in the assembler and in the kernel's hands.
+constexpr int kBuffersBesidesQueue = 48;
+constexpr auto kRearmTime = 5s;
+
+}  // namespace
+
+capture::SourceSettings source_settings(const config::CameraConfig& camera, const config::RigConfig& rig) {
+  capture::SourceSettings settings;
+  settings.camera = camera.name;
+  settings.kind = camera.source;
+  settings.device = camera.device;
+  settings.width = camera.width;
+  settings.height = camera.height;
+  settings.format = capture::pixel_format_from(camera.pixel_format).value_or(capture::PixelFormat::bayer_rg8);
+  settings.exposure_us = camera.exposure_us;
+  settings.gain_db = camera.gain_db;
+  settings.frame_rate_hz = rig.trigger.rate_hz;
+  settings.packet_size = camera.packet_size;
+  settings.trigger = trigger_mode_from(rig.trigger.mode);
+  settings.device_key = rig.trigger.device_key;
+  settings.group_key = rig.trigger.group_key;
+  settings.group_mask = rig.trigger.group_mask;
+  settings.buffers_at_most = rig.storage.queue_frame_sets + kBuffersBesidesQueue;
+  return settings;
+}
+
+CameraFleet::CameraFleet(const config::RigConfig& rig) : rig_mode_(trigger_mode_from(rig.trigger.mode)) {
+  const auto deliver = [this](capture::Frame&& frame) {
+    const std::lock_guard lock(receiver_mutex_);
+    if (receiver_) receiver_->take_frame(std::move(frame));
+  };
+  const auto deliver_incomplete = [this](const capture::IncompleteFrame& incomplete) {
+    const std::lock_guard lock(receiver_mutex_);
+    if (receiver_) receiver_->take_incomplete(incomplete);
+  };
+  for (const auto& camera : rig.cameras)
+    workers_.push_back(std::make_unique<CameraWorker>(source_settings(camera, rig), deliver, deliver_incomplete));
+}
+
+bool CameraFleet::wait_until_tried(std::stop_token stop) const {
+  const auto all_tried = [this] {
+    return std::all_of(workers_.begin(), workers_.end(), [](const auto& worker) { return worker->tried(); });
+  };
+  while (!all_tried()) {
+    if (stop.stop_requested()) return false;
+    std::this_thread::sleep_for(20ms);
+  }
+  return true;
+}
+
+std::size_t CameraFleet::streaming() const {
+  return static_cast<std::size_t>(
+      std::count_if(workers_.begin(), workers_.end(), [](const auto& worker) { return worker->streaming(); }));
+}
+
+capture::TriggerMode CameraFleet::trigger_mode() const {
+  const bool software = std::any_of(workers_.begin(), workers_.end(), [](const auto& worker) {
+    return worker->streaming() && worker->trigger_mode() == capture::TriggerMode::software;
+  });
+  return software ? capture::TriggerMode::software : rig_mode_;
+}
+
+void CameraFleet::agree_on_trigger_mode() {
+  const auto mode = trigger_mode();
+  std::vector<CameraWorker*> changing;
+  for (const auto& worker : workers_)
+    if (worker->streaming() && worker->trigger_mode() != mode) changing.push_back(worker.get());
+  for (auto* worker : changing) worker->set_trigger_mode(mode);
+  const auto give_up = std::chrono::steady_clock::now() + kRearmTime;
+  const auto done = [](const CameraWorker* worker) { return worker->streaming(); };
+  while (!std::all_of(changing.begin(), changing.end(), done) && std::chrono::steady_clock::now() < give_up)
+    std::this_thread::sleep_for(20ms);
+}
+
+void CameraFleet::set_receiver(FrameReceiver* receiver) {
+  const std::lock_guard lock(receiver_mutex_);
+  receiver_ = receiver;
+}
+
+}  // namespace rotunda::rig

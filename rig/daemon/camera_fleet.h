@@ -1,0 +1,46 @@
+#pragma once
+// All cameras of a rig: a worker each. Frames of whichever camera go to the one receiver of the moment.
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "config/rig_config.h"
+#include "rig/daemon/camera_worker.h"
+
+namespace rotunda::rig {
+
+class FrameReceiver {
+ public:
+  virtual ~FrameReceiver() = default;
+  virtual void take_frame(capture::Frame&& frame) = 0;                           // on the camera's stream thread
+  virtual void take_incomplete(const capture::IncompleteFrame& incomplete) = 0;  // likewise
+};
+
+class CameraFleet {
+ public:
+  explicit CameraFleet(const config::RigConfig& rig);
+
+  // Waits until every camera has been tried once; then some may still be missing. False if told to stop meanwhile.
+  bool wait_until_tried(std::stop_token stop) const;
+
+  const std::vector<std::unique_ptr<CameraWorker>>& workers() const { return workers_; }
+  std::size_t streaming() const;
+  // Software if any camera that streams is armed so; else the rig's.
+  capture::TriggerMode trigger_mode() const;
+  // Arms all cameras for trigger_mode(); waits a few seconds for those that have to change.
+  void agree_on_trigger_mode();
+
+  // Who gets the frames from now on; null drops them. The receiver before is out of use when this returns.
+  void set_receiver(FrameReceiver* receiver);
+
+ private:
+  capture::TriggerMode rig_mode_;
+  std::mutex receiver_mutex_;
+  FrameReceiver* receiver_ = nullptr;
+  std::vector<std::unique_ptr<CameraWorker>> workers_;  // last: they deliver into the members above
+};
+
+capture::SourceSettings source_settings(const config::CameraConfig& camera, const config::RigConfig& rig);
+
+}  // namespace rotunda::rig

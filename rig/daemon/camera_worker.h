@@ -1,0 +1,58 @@
+#pragma once
+// One camera and the thread that looks after it: opens it, keeps it armed and streaming, opens it again when it is
+// lost. Nothing else calls the camera, so a camera that does not answer holds up only its own thread.
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+
+#include "capture/source/source.h"
+#include "rig/client.h"
+
+namespace rotunda::rig {
+
+class CameraWorker {
+ public:
+  // The sinks get every frame, whole or not, on the camera's stream thread.
+  CameraWorker(capture::SourceSettings settings, capture::FrameSink sink, capture::IncompleteSink incomplete_sink);
+  ~CameraWorker();  // stops and closes the camera
+
+  const capture::SourceSettings& settings() const { return settings_; }
+  CameraStatus status() const;
+  bool streaming() const;
+  // True once the first attempt to open the camera has succeeded or failed.
+  bool tried() const;
+  // The camera's picture as it answered; 0 x 0 before it was first opened.
+  capture::SourceDescription description() const;
+  // Asks the worker to fire the camera; returns at once. Only in trigger mode `software`.
+  void request_software_trigger();
+  // The mode it is armed in; a camera that knows no actions is armed for software triggers instead.
+  capture::TriggerMode trigger_mode() const;
+  // Arms the camera anew in another trigger mode; returns at once, and it streams again a little later.
+  void set_trigger_mode(capture::TriggerMode mode);
+
+ private:
+  void run(std::stop_token stop);
+  void bring_up();
+  void open_and_arm();
+  void serve(std::stop_token stop);
+  void refresh_status();
+  void take_down(const std::string& problem);
+
+  capture::SourceSettings settings_;
+  capture::FrameSink sink_;
+  capture::IncompleteSink incomplete_sink_;
+  std::unique_ptr<capture::Source> source_;  // touched by the worker's thread only
+
+  mutable std::mutex mutex_;
+  std::condition_variable_any wake_;
+  CameraStatus status_;
+  capture::SourceDescription description_;
+  std::uint64_t software_triggers_ = 0;  // asked for, not yet sent
+  capture::TriggerMode wanted_mode_, armed_mode_;
+  bool tried_ = false;
+  std::jthread thread_;  // last: starts when everything else is there
+};
+
+}  // namespace rotunda::rig

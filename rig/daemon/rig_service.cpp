@@ -1,0 +1,101 @@
+#include "rig/daemon/rig_service.h"
+
+#include <fcntl.h>
+#include <grpcpp/grpcpp.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+
+#include <atomic>
+
+#include "capture/base/unique_fd.h"
+#include "config/errors.h"
+#include "rig/messages.h"
+
+namespace rotunda::rig {
+namespace {
+
+using namespace std::chrono_literals;
+
+grpc::Status refusal() {
+  try {
+    throw;
+  } catch (const InvalidInput& error) {
+    return {grpc::StatusCode::INVALID_ARGUMENT, error.what()};
+  } catch (const std::exception& error) {
+    return {grpc::StatusCode::FAILED_PRECONDITION, error.what()};
+  }
+}
+
+class RigService final : public v1::Rig::Service {
+ public:
+  explicit RigService(RigDaemon& daemon) : daemon_(daemon) {}
+  void end_streams() { ending_ = true; }
+
+  grpc::Status GetStatus(grpc::ServerContext*, const v1::StatusRequest*, v1::Status* answer) override {
+    *answer = to_message(daemon_.status());
+    return grpc::Status::OK;
+  }
+
+  grpc::Status StartTake(grpc::ServerContext* context, const v1::StartTakeRequest* request,
+                         grpc::ServerWriter<v1::TakeProgress>* writer) override {
+    try {
+      const auto take = daemon_.start_take(from_message(*request));
+      auto progress = take->progress();
+      while (writer->Write(to_message(progress)) && !progress.closed && !context->IsCancelled() && !ending_)
+        progress = take->wait_for_change(progress, 200ms);
+      return grpc::Status::OK;
+    } catch (...) {
+      return refusal();
+    }
+  }
+
+  grpc::Status StopTake(grpc::ServerContext*, const v1::StopTakeRequest*, v1::TakeProgress* answer) override {
+    try {
+      *answer = to_message(daemon_.stop_take());
+      return grpc::Status::OK;
+    } catch (...) {
+      return refusal();
+    }
+  }
+
+ private:
+  RigDaemon& daemon_;
+  std::atomic<bool> ending_ = false;
+};
+
+// gRPC takes a Unix socket over without asking; the lock file beside it says whether its owner still lives.
+capture::UniqueFd lock_socket(const std::filesystem::path& socket) {
+  const auto lock_file = socket.string() + ".lock";
+  capture::UniqueFd lock(open(lock_file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600));
+  if (!lock) throw DeviceError("rotundad", "cannot make " + lock_file + "; name another socket with --socket");
+  if (flock(lock.get(), LOCK_EX | LOCK_NB) != 0)
+    throw DeviceError("rotundad",
+                      "another daemon serves " + socket.string() + "; stop it, or give this one its own with --socket");
+  return lock;
+}
+
+}  // namespace
+
+struct RigServer::Parts {
+  capture::UniqueFd lock;
+  RigService service;
+  std::unique_ptr<grpc::Server> server;
+};
+
+RigServer::RigServer(RigDaemon& daemon, const std::filesystem::path& socket)
+    : parts_(new Parts{lock_socket(socket), RigService(daemon), nullptr}) {
+  grpc::ServerBuilder builder;
+  builder.AddListeningPort("unix:" + socket.string(), grpc::InsecureServerCredentials());
+  builder.RegisterService(&parts_->service);
+  const auto before = umask(0077);
+  parts_->server = builder.BuildAndStart();
+  umask(before);
+  if (!parts_->server) throw DeviceError("rotundad", "cannot listen on " + socket.string());
+}
+
+RigServer::~RigServer() {
+  parts_->service.end_streams();
+  parts_->server->Shutdown(std::chrono::system_clock::now() + 2s);
+}
+
+}  // namespace rotunda::rig

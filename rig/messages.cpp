@@ -1,0 +1,112 @@
+#include "rig/messages.h"
+
+namespace rotunda::rig {
+namespace {
+
+CameraStatus from_message(const v1::CameraStatus& m) {
+  return {.name = m.name(),
+          .device = m.device(),
+          .state = m.state(),
+          .model = m.model(),
+          .serial = m.serial(),
+          .pixel_format = m.pixel_format(),
+          .problem = m.problem(),
+          .width = m.width(),
+          .height = m.height(),
+          .packet_size = m.packet_size(),
+          .socket_buffer_bytes = m.socket_buffer_bytes(),
+          .frames = m.frames(),
+          .incomplete = m.incomplete(),
+          .resend_requests = m.resend_requests()};
+}
+
+void fill(const CameraStatus& camera, v1::CameraStatus& m) {
+  m.set_name(camera.name);
+  m.set_device(camera.device);
+  m.set_state(camera.state);
+  m.set_model(camera.model);
+  m.set_serial(camera.serial);
+  m.set_pixel_format(camera.pixel_format);
+  m.set_problem(camera.problem);
+  m.set_width(camera.width);
+  m.set_height(camera.height);
+  m.set_packet_size(camera.packet_size);
+  m.set_socket_buffer_bytes(camera.socket_buffer_bytes);
+  m.set_frames(camera.frames);
+  m.set_incomplete(camera.incomplete);
+  m.set_resend_requests(camera.resend_requests);
+}
+
+}  // namespace
+
+TakeProgress from_message(const v1::TakeProgress& m) {
+  return {.name = m.name(),
+          .folder = m.folder(),
+          .frame_sets = m.frame_sets(),
+          .complete = m.complete(),
+          .wanted = m.wanted(),
+          .closed = m.closed(),
+          .failure = m.failure(),
+          .warnings = {m.warnings().begin(), m.warnings().end()}};
+}
+
+v1::TakeProgress to_message(const TakeProgress& progress) {
+  v1::TakeProgress m;
+  m.set_name(progress.name);
+  m.set_folder(progress.folder.string());
+  m.set_frame_sets(progress.frame_sets);
+  m.set_complete(progress.complete);
+  m.set_wanted(progress.wanted);
+  m.set_closed(progress.closed);
+  m.set_failure(progress.failure);
+  m.mutable_warnings()->Assign(progress.warnings.begin(), progress.warnings.end());
+  return m;
+}
+
+RigStatus from_message(const v1::Status& m) {
+  RigStatus status{.rig = m.rig(), .state = m.state(), .trigger = m.trigger(), .rate_hz = m.rate_hz()};
+  status.takes_folder = m.takes_folder();
+  status.disk_free_bytes = m.disk_free_bytes();
+  status.seconds_left = m.seconds_left();
+  status.take = from_message(m.take());
+  for (const auto& camera : m.cameras()) status.cameras.push_back(from_message(camera));
+  status.late_triggers = m.late_triggers();
+  status.late_frames = m.late_frames();
+  status.queued_frame_sets = m.queued_frame_sets();
+  status.warnings.assign(m.warnings().begin(), m.warnings().end());
+  return status;
+}
+
+v1::Status to_message(const RigStatus& status) {
+  v1::Status m;
+  m.set_rig(status.rig);
+  m.set_state(status.state);
+  m.set_trigger(status.trigger);
+  m.set_rate_hz(status.rate_hz);
+  m.set_takes_folder(status.takes_folder.string());
+  m.set_disk_free_bytes(status.disk_free_bytes);
+  m.set_seconds_left(status.seconds_left);
+  *m.mutable_take() = to_message(status.take);
+  for (const auto& camera : status.cameras) fill(camera, *m.add_cameras());
+  m.set_late_triggers(status.late_triggers);
+  m.set_late_frames(status.late_frames);
+  m.set_queued_frame_sets(status.queued_frame_sets);
+  m.mutable_warnings()->Assign(status.warnings.begin(), status.warnings.end());
+  m.set_protocol(1);
+  return m;
+}
+
+TakeRequest from_message(const v1::StartTakeRequest& m) {
+  return {.name = m.name(), .frame_sets = m.frame_sets(), .duration_s = m.duration_s(), .note = m.note()};
+}
+
+v1::StartTakeRequest to_message(const TakeRequest& request) {
+  v1::StartTakeRequest m;
+  m.set_name(request.name);
+  m.set_frame_sets(request.frame_sets);
+  m.set_duration_s(request.duration_s);
+  m.set_note(request.note);
+  return m;
+}
+
+}  // namespace rotunda::rig

@@ -1,0 +1,15 @@
+#pragma once
+// Between the API's messages and the plain structs that clients and daemon work with. Private to rig/.
+#include "rig/client.h"
+#include "rig/rotunda.grpc.pb.h"
+
+namespace rotunda::rig {
+
+TakeProgress from_message(const v1::TakeProgress& message);
+RigStatus from_message(const v1::Status& message);
+TakeRequest from_message(const v1::StartTakeRequest& message);
+v1::TakeProgress to_message(const TakeProgress& progress);
+v1::Status to_message(const RigStatus& status);
+v1::StartTakeRequest to_message(const TakeRequest& request);
+
+}  // namespace rotunda::rig

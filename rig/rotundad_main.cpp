@@ -1,0 +1,72 @@
+// The daemon: cameras, triggers, takes, and the control API on a Unix socket.
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+
+#include "capture/base/interrupt.h"
+#include "config/exit_code.h"
+#include "rig/daemon/rig_daemon.h"
+#include "rig/daemon/rig_service.h"
+
+namespace {
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+
+struct Options {
+  fs::path rig, socket, takes;
+  bool check = false;
+};
+
+int serve(const rotunda::config::RigConfig& rig, const Options& options, std::stop_token stop) {
+  const auto socket =
+      options.socket.empty() && rig.api_socket ? *rig.api_socket : rotunda::rig::daemon_socket(options.socket);
+  rotunda::rig::RigDaemon daemon(rig);
+  const rotunda::rig::RigServer server(daemon, socket);
+  if (!daemon.wait_until_tried(stop)) return rotunda::kDone;
+  const auto status = daemon.status();
+  const auto streaming = std::count_if(status.cameras.begin(), status.cameras.end(),
+                                       [](const auto& camera) { return camera.state == "streaming"; });
+  spdlog::info("ready: {} of {} cameras, trigger {}, API on {}", streaming, status.cameras.size(), status.trigger,
+               socket.string());
+  while (!stop.stop_requested()) std::this_thread::sleep_for(50ms);
+  spdlog::info("stopping");
+  return rotunda::kDone;
+}
+
+int run(const Options& options) {
+  const rotunda::capture::Interrupt interrupt;
+  try {
+    auto rig = rotunda::config::load_rig(options.rig);
+    if (!options.takes.empty()) rig.storage.takes = fs::absolute(options.takes);
+    if (options.check) {
+      std::printf("%s: good, %zu cameras\n", options.rig.c_str(), rig.cameras.size());
+      return rotunda::kDone;
+    }
+    return serve(rig, options, interrupt.token());
+  } catch (...) {
+    return rotunda::report_current_exception("rotundad");
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  spdlog::set_default_logger(spdlog::stderr_logger_mt("rotundad"));
+  spdlog::set_pattern("%H:%M:%S.%e %l %v");
+  CLI::App app{"The capture daemon: syncs and triggers the rig's cameras and records takes", "rotundad"};
+  Options options;
+  app.add_option("--rig", options.rig, "the rig file")->required();
+  app.add_flag("--check", options.check, "only check the rig file");
+  app.add_option("--takes", options.takes, "record here instead of the rig file's storage.takes");
+  app.add_option("--socket", options.socket, "serve the control API here (else ROTUNDA_SOCKET, the runtime folder)");
+  app.footer("Example:\n  rotundad --rig config/simulated-studio.yaml");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? rotunda::kDone : rotunda::kUsage;
+  }
+  return run(options);
+}
