@@ -37,14 +37,14 @@ struct Grid {
   Vector3d point(std::size_t i, std::size_t j, std::size_t k) const { return {x[i], y[j], z[k]}; }
 };
 
-Grid make_grid(const Skeleton& skeleton) {
+Grid make_grid(const Skeleton& skeleton, double c) {
   const double h = skeleton.height;
   const Vector3d wrist = skeleton.joint[index(Joint::hand_left)];
   const double reach = wrist.y() + 0.11 * h, palm = wrist.y() - 0.01 * h;
   Grid grid;
-  grid.x = grid_lines(-0.14 * h, 0.16 * h, 0.0100, 0.0080, {{0.02 * h, 0.08 * h}});
-  grid.y = grid_lines(-reach, reach, 0.0120, 0.0085, {{-reach, -palm}, {-0.055 * h, 0.055 * h}, {palm, reach}});
-  grid.z = grid_lines(-0.02, 1.03 * h, 0.0120, 0.0075, {{0.85 * h, 1.02 * h}});
+  grid.x = grid_lines(-0.14 * h, 0.16 * h, 0.0100 * c, 0.0080 * c, {{0.02 * h, 0.08 * h}});
+  grid.y = grid_lines(-reach, reach, 0.0120 * c, 0.0085 * c, {{-reach, -palm}, {-0.055 * h, 0.055 * h}, {palm, reach}});
+  grid.z = grid_lines(-0.02, 1.03 * h, 0.0120 * c, 0.0075 * c, {{0.85 * h, 1.02 * h}});
   grid.distance.resize(grid.x.size() * grid.y.size() * grid.z.size());
   return grid;
 }
@@ -215,8 +215,8 @@ std::vector<std::vector<std::uint32_t>> neighbours_of(const recon::TriangleMesh&
   return neighbours;
 }
 
-recon::TriangleMesh body_mesh(const BodyShape& shape, const Skeleton& skeleton) {
-  Grid grid = make_grid(skeleton);
+recon::TriangleMesh body_mesh(const BodyShape& shape, const Skeleton& skeleton, double coarseness) {
+  Grid grid = make_grid(skeleton, coarseness);
   fill(grid, shape);
   make_well_composed(grid);
   recon::TriangleMesh mesh;

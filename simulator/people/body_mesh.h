@@ -7,7 +7,8 @@
 namespace rotunda::simulator {
 
 // Closed, one piece, without a handle; throws InvalidInput if the build is so odd that it is not.
-recon::TriangleMesh body_mesh(const BodyShape& shape, const Skeleton& skeleton);
+// `coarseness` widens the grid: 1 gives about 50 000 triangles.
+recon::TriangleMesh body_mesh(const BodyShape& shape, const Skeleton& skeleton, double coarseness = 1.0);
 
 // Corners joined to each vertex by an edge.
 std::vector<std::vector<std::uint32_t>> neighbours_of(const recon::TriangleMesh& mesh);

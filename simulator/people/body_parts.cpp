@@ -65,6 +65,8 @@ void add_trunk(PartList& body) {
   for (const Side side : {Side::left, Side::right}) {
     const double s = sign_of(side);
     body.ellipsoid(Joint::chest, Material::shirt, at(0.050, s * 0.075, 1.305), at(0.055, 0.075, 0.060), 0.05);
+    body.cone(Joint::chest, Material::shirt, at(-0.020, s * 0.045, 1.455) * body.scale(),
+              at(-0.015, s * 0.165, 1.424) * body.scale(), 0.046, 0.050, 0.05);
     body.ellipsoid(Joint::chest, Material::shirt, at(-0.085, s * 0.085, 1.340), at(0.040, 0.070, 0.090), 0.05);
   }
 }
@@ -138,7 +140,7 @@ void add_arm(PartList& body, Side side) {
   const Vector3d shoulder = body.joint(Joint::upper_arm_left, side), elbow = body.joint(Joint::forearm_left, side);
   const Vector3d wrist = body.joint(Joint::hand_left, side);
   const Vector3d sleeve_end = elbow + 0.16 * (wrist - elbow), bulge = elbow + 0.28 * (wrist - elbow);
-  body.cone(on(Joint::upper_arm_left), Material::shirt, shoulder, elbow, 0.064, 0.052, 0.045);
+  body.cone(on(Joint::upper_arm_left), Material::shirt, shoulder, elbow, 0.057, 0.051, 0.045);
   body.cone(on(Joint::forearm_left), Material::skin, elbow, bulge, 0.041, 0.044, 0.01);
   auto& lower = body.cone(on(Joint::forearm_left), Material::skin, bulge, wrist, 0.044, 0.029, 0.02);
   lower.across = elbow.cross(wrist).normalized();

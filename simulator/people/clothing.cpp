@@ -175,7 +175,8 @@ Vector3d hand_colour(const Spot& spot, Vector3d colour) {
   const double along = ((std::abs(p.y()) - 0.5787) + (1.0208 - p.z())) * std::numbers::sqrt2 / 2.0;
   const double across = p.x() + 0.014, half = 0.038 - 0.12 * (along - 0.09);
   if (along > 0.088 && std::abs(across) < half) {
-    colour = mix(colour, colour * 0.45, band(from_line(across, 0.5 * half), 0.0012, 0.0018));
+    colour = mix(colour, colour * 0.62,
+                 std::abs(across) < 0.7 * half ? band(from_line(across, 0.5 * half), 0.0008, 0.0020) : 0.0);
     for (const double knuckle : {0.112, 0.134}) colour = mix(colour, colour * 0.8, band(along - knuckle, 0.001, 0.002));
     colour = mix(colour, Vector3d(0.93, 0.78, 0.72),
                  0.6 * disc(from_line(across - 0.25 * half, 0.5 * half), (along - 0.160) * 0.7, 0.0035, 0.002));

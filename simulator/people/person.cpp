@@ -14,7 +14,7 @@ namespace {
 
 // To add a person: a row here.
 std::vector<PersonDescription> descriptions() {
-  return {{"alex", BodyBuild{}, Clothing{}, 6}};
+  return {{"alex", BodyBuild{}, Clothing{}}};
 }
 
 std::vector<recon::Colour> vertex_colours(const recon::TriangleMesh& mesh, const BodyShape& shape,
@@ -43,7 +43,7 @@ Person make_person(const PersonDescription& description) {
   person.name = description.name;
   person.skeleton = make_skeleton(description.build.height);
   const BodyShape shape(person.skeleton, description.build);
-  person.bind = body_mesh(shape, person.skeleton);
+  person.bind = body_mesh(shape, person.skeleton, description.coarseness);
   person.bind.colours = vertex_colours(person.bind, shape, description.clothing);
   person.weights = skin_weights(person.bind, shape);
   person.openness = vertex_openness(person.bind, shape);

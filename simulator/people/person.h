@@ -28,6 +28,7 @@ struct PersonDescription {
   BodyBuild build;
   Clothing clothing;
   int texels_per_edge = 6;  // of the texture: about 2 mm a texel
+  double coarseness = 1.0;  // of the surface's grid
 };
 
 // Builds the surface and paints it: about a second. Throws InvalidInput for a build that is not one closed surface.

@@ -72,7 +72,7 @@ struct Layer {
   double spread;    // standard deviation of its shadow's edge, metres
   double strength;  // optical depth of full cover
 };
-constexpr std::array<Layer, 3> kLayers = {{{0.06, 0.012, 1.3}, {0.55, 0.07, 0.55}, {3.0, 0.28, 1.0}}};
+constexpr std::array<Layer, 3> kLayers = {{{0.06, 0.015, 1.5}, {0.55, 0.07, 0.8}, {3.0, 0.26, 1.6}}};
 
 constexpr double kCell = 0.0125;
 constexpr int kCells = 288;  // 3.6 m
@@ -83,7 +83,7 @@ std::array<cv::Mat, kLayers.size()> cover_of(const recon::TriangleMesh& body, co
   for (const auto& t : body.triangles) {
     const Eigen::Vector3f a = body.positions[t[0]], b = body.positions[t[1]], c = body.positions[t[2]];
     const Eigen::Vector3f middle = (a + b + c) / 3.0F;
-    const float area = 0.5F * (b - a).cross(c - a).z();
+    const float area = -0.5F * (b - a).cross(c - a).z();  // of what faces the floor
     const int column = cvRound((middle.x() - grid.from_x) / kCell), row = cvRound((middle.y() - grid.from_y) / kCell);
     if (area <= 0.0F || column < 0 || row < 0 || column >= kCells || row >= kCells) continue;
     std::size_t layer = 0;

@@ -4,16 +4,18 @@
 
 #include "config/errors.h"
 #include "simulator/people/act.h"
+#include "simulator/people/body_mesh.h"
 #include "simulator/people/limb_pose.h"
 
 namespace rotunda::simulator {
 namespace {
 
-// Built once: it takes seconds under the sanitizers.
+// A coarser surface: the full one takes long to build under the sanitizers.
 const Person& alex() {
   static const Person person = [] {
     auto description = describe_person("alex");
     description.texels_per_edge = 4;
+    description.coarseness = 1.7;
     return make_person(description);
   }();
   return person;
@@ -26,7 +28,10 @@ double lowest(const recon::TriangleMesh& mesh) {
 }
 
 TEST(Person, IsOneClosedSurfaceWithoutAHandleOfTwentyToSixtyThousandTriangles) {
-  const auto& mesh = alex().bind;
+  EXPECT_TRUE(recon::topology_of(alex().bind).is_sphere());
+  const auto description = describe_person("alex");
+  const Skeleton skeleton = make_skeleton(description.build.height);
+  const auto mesh = body_mesh(BodyShape(skeleton, description.build), skeleton);
   EXPECT_TRUE(recon::topology_of(mesh).is_sphere());
   EXPECT_GE(mesh.triangles.size(), 20000U);
   EXPECT_LE(mesh.triangles.size(), 60000U);
@@ -37,7 +42,7 @@ TEST(Person, HasTheSizeOfAnAdult) {
   double high = 0.0;
   for (const auto& p : mesh.positions) high = std::max(high, static_cast<double>(p.z()));
   EXPECT_NEAR(high, 1.75, 0.03);                 // the height asked for, and hair
-  EXPECT_NEAR(lowest(mesh), 0.0, 0.003);         // soles on the floor, to the grid of the surface
+  EXPECT_NEAR(lowest(mesh), 0.0, 0.004);         // soles on the floor, to the grid of the surface
   EXPECT_GT(recon::signed_volume(mesh), 0.055);  // an adult is 60 to 80 litres, clothes about 10
   EXPECT_LT(recon::signed_volume(mesh), 0.100);
 }
@@ -59,7 +64,7 @@ TEST(Person, StaysInTheBindPoseWhenPosedSo) {
 TEST(Person, StandsOnTheFloorThroughoutTheWalk) {
   for (int frame = 0; frame < act_frames(Act::walk); ++frame) {
     const auto mesh = posed_mesh(alex(), pose_at(alex().skeleton, Act::walk, frame * kActStep));
-    EXPECT_NEAR(lowest(mesh), 0.0, 0.004) << "frame " << frame;  // 3 mm of gait and 1 mm of the sole's triangles
+    EXPECT_NEAR(lowest(mesh), 0.0, 0.005) << "frame " << frame;  // 3 mm of gait, 2 mm of the sole's coarse triangles
   }
 }
 

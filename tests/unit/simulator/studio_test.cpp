@@ -1,0 +1,150 @@
+#include <gtest/gtest.h>
+
+#include "capture/picture.h"
+#include "simulator/studio/camera_layout.h"
+#include "simulator/studio/frame_cache.h"
+#include "simulator/studio/pixel_encoding.h"
+#include "simulator/studio/scene_renderer.h"
+#include "simulator/studio/truth.h"
+
+namespace rotunda::simulator {
+namespace {
+
+Person painted_coarsely() {
+  auto description = describe_person("alex");
+  description.texels_per_edge = 4;
+  description.coarseness = 1.7;
+  return make_person(description);
+}
+
+std::vector<capture::CameraModel> odd_cameras() {
+  auto cameras = camera_layout(
+      {.cameras = 3, .width = 320, .height = 256, .aspect = 16.0 / 15.0, .skew_px = 3.0, .k1 = -0.12, .k2 = 0.02});
+  cameras[1].distortion[2] = 0.001;  // p1
+  return cameras;
+}
+
+// Person and cameras are made once; the GL context stays current for all tests.
+SceneRenderer& studio() {
+  static SceneRenderer renderer(painted_coarsely(), odd_cameras());
+  return renderer;
+}
+
+Pose walking(double seconds) {
+  return pose_at(studio().person().skeleton, Act::walk, seconds);
+}
+
+// Where the half-covered outline of a row lies, from the left; sub-pixel.
+double left_edge(const cv::Mat& matte, int row) {
+  for (int x = 1; x < matte.cols; ++x) {
+    const double before = matte.at<std::uint8_t>(row, x - 1), here = matte.at<std::uint8_t>(row, x);
+    if (here >= 127.5) return x - 1 + (127.5 - before) / (here - before);
+  }
+  return -1.0;
+}
+
+// The leftmost truth point in each picture row is the silhouette's edge there, for skewed and distorted lenses too.
+TEST(SceneRenderer, SilhouettesAgreeWithTheProjectedSurface) {
+  const auto body = posed_mesh(studio().person(), walking(0.2));
+  for (std::size_t camera = 0; camera < studio().cameras().size(); ++camera) {
+    const auto& model = studio().cameras()[camera];
+    const auto matte = studio().picture(camera, walking(0.2), 5).matte;
+    std::vector<double> leftmost(static_cast<std::size_t>(model.height), 1e9);
+    for (const auto& t : body.triangles)  // edges, cut at every row
+      for (std::size_t i = 0; i < 3; ++i) {
+        const Eigen::Vector2d a = *capture::project(model, body.positions[t[i]].cast<double>());
+        const Eigen::Vector2d b = *capture::project(model, body.positions[t[(i + 1) % 3]].cast<double>());
+        for (int y = static_cast<int>(std::ceil(std::min(a.y(), b.y()))); y <= std::max(a.y(), b.y()); ++y) {
+          const double x =
+              std::abs(b.y() - a.y()) < 1e-9 ? a.x() : a.x() + (b.x() - a.x()) * (y - a.y()) / (b.y() - a.y());
+          leftmost[static_cast<std::size_t>(y)] = std::min(leftmost[static_cast<std::size_t>(y)], x);
+        }
+      }
+    std::vector<double> error;
+    for (int y = 0; y < model.height; ++y)
+      if (leftmost[static_cast<std::size_t>(y)] < 1e9 && left_edge(matte, y) >= 0.0)
+        error.push_back(left_edge(matte, y) - leftmost[static_cast<std::size_t>(y)]);
+    ASSERT_GT(error.size(), 100U);
+    std::sort(error.begin(), error.end());
+    EXPECT_NEAR(error[error.size() / 2], 0.0, 0.1) << model.name;  // no offset of the pixel grid
+    EXPECT_GT(error[error.size() / 20], -0.5) << model.name;       // 5 % of the rows graze an outline
+    EXPECT_LT(error[error.size() - error.size() / 20 - 1], 0.5) << model.name;
+  }
+}
+
+TEST(SceneRenderer, FramesAreDeterministicAndTheirNoiseDiffers) {
+  const auto first = studio().picture(0, walking(0.0), 7).rgb, again = studio().picture(0, walking(0.0), 7).rgb;
+  const auto other = studio().picture(0, walking(0.0), 8).rgb;
+  EXPECT_EQ(cv::norm(first, again, cv::NORM_INF), 0.0);
+  EXPECT_GT(cv::norm(first, other, cv::NORM_INF), 0.0);
+}
+
+TEST(SceneRenderer, TheMatteIsWhereThePictureLeavesThePlate) {
+  const auto picture = studio().picture(1, walking(0.1), 3);
+  cv::Mat changed;
+  cv::absdiff(picture.rgb, studio().clean_plate(1), changed);
+  double far_out = 0, out = 0, far_in = 0, in = 0;
+  for (int y = 0; y < changed.rows; ++y)
+    for (int x = 0; x < changed.cols; ++x) {
+      const auto& d = changed.at<cv::Vec3b>(y, x);
+      const bool differs = d[0] > 25 || d[1] > 25;  // red and green: a shadow on blue hardly changes them
+      const auto cover = picture.matte.at<std::uint8_t>(y, x);
+      if (cover == 0) ++out, far_out += differs;
+      if (cover == 255) ++in, far_in += differs;
+    }
+  EXPECT_LT(far_out / out, 0.002);
+  EXPECT_GT(far_in / in, 0.80);  // dark cloth and shaded hair come close to the plate's dark red
+}
+
+TEST(SceneRenderer, TheEmptyStudioIsBlue) {
+  const auto mean = cv::mean(studio().clean_plate(0));
+  EXPECT_GT(mean[2], 1.5 * mean[1]);
+  EXPECT_GT(mean[1], mean[0]);
+}
+
+TEST(PixelEncoding, BayerRG8HasRedFirst) {
+  const cv::Mat rgb(4, 6, CV_8UC3, cv::Scalar(200, 100, 50));
+  const auto bytes = encode_pixels(rgb, capture::PixelFormat::bayer_rg8);
+  EXPECT_EQ(bytes[0], 200);
+  EXPECT_EQ(bytes[1], 100);
+  EXPECT_EQ(bytes[6], 100);
+  EXPECT_EQ(bytes[7], 50);
+}
+
+TEST(PixelEncoding, EveryFormatComesBackAsTheColourItWas) {
+  const cv::Mat rgb(8, 8, CV_8UC3, cv::Scalar(200, 100, 50));
+  using enum capture::PixelFormat;
+  for (const auto format : {bayer_rg8, bayer_gr8, bayer_gb8, bayer_bg8, rgb8}) {
+    const auto image = capture::make_image(8, 8, format, encode_pixels(rgb, format));
+    const auto middle = capture::to_rgb(image).at<cv::Vec3b>(4, 4);
+    EXPECT_EQ(middle, cv::Vec3b(200, 100, 50)) << capture::to_string(format);
+  }
+}
+
+TEST(FrameCache, ShowsWhatTheTimeOfExposureSays) {
+  using std::chrono::nanoseconds;
+  const auto at = [](std::int64_t ms) { return capture::Timestamp(std::chrono::milliseconds(ms)); };
+  EXPECT_EQ(act_frame_at(at(0), Act::walk), 0);
+  EXPECT_EQ(act_frame_at(at(40 * 26 * 1000 + 40 * 3), Act::walk), 3);
+  EXPECT_EQ(act_frame_at(at(40 * 5 + 19), Act::walk), 5);  // a late trigger shows the nearest act frame
+  EXPECT_EQ(act_frame_at(at(40 * 5 + 21), Act::walk), 6);
+  EXPECT_DOUBLE_EQ(act_seconds(at(40 * 27), Act::walk), kActStep);
+}
+
+TEST(FrameCache, HoldsThePicturesOfTheRenderer) {
+  const FrameCache cache(studio(), Act::a_pose, capture::PixelFormat::bayer_rg8);
+  const auto rgb = studio().picture(2, pose_at(studio().person().skeleton, Act::a_pose, 0.0), 0).rgb;
+  const auto bytes = cache.picture_at(2, capture::Timestamp(std::chrono::milliseconds(123456)));
+  const auto expected = encode_pixels(rgb, capture::PixelFormat::bayer_rg8);
+  EXPECT_TRUE(std::equal(bytes.begin(), bytes.end(), expected.begin(), expected.end()));
+}
+
+TEST(Truth, IsThePosedSurfaceOfTheExposuresActFrame) {
+  const auto truth = truth_mesh(studio().person(), Act::walk, capture::Timestamp(std::chrono::milliseconds(40 * 29)));
+  const auto expected = posed_mesh(studio().person(), walking(3 * kActStep));
+  ASSERT_EQ(truth.positions.size(), expected.positions.size());
+  EXPECT_LT((truth.positions[1000] - expected.positions[1000]).norm(), 1e-6F);
+}
+
+}  // namespace
+}  // namespace rotunda::simulator
