@@ -148,26 +148,32 @@ Vector3d BodyShape::gradient(const Vector3d& p) const {
   return g / (4.0 * step);
 }
 
-BodyPlace BodyShape::place_of(const Vector3d& p) const {
-  const BodyPart* nearest = &parts_.front();
+std::size_t BodyShape::nearest_part(const Vector3d& p) const {
+  std::size_t nearest = 0;
   double best = std::numeric_limits<double>::max();
-  for (const auto& part : parts_) {
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    const auto& part = parts_[i];
     if (part.carve || (p - part.centre).norm() - part.reach > best) continue;
     const double d = part_distance(part, p);
     if (d >= best) continue;
     best = d;
-    nearest = &part;
+    nearest = i;
   }
-  BodyPlace place{nearest->material, nearest->joint, 0.0, 0.0};
-  if (nearest->kind == BodyPart::Kind::trunk) {
+  return nearest;
+}
+
+BodyPlace BodyShape::place_on(std::size_t part_index, const Vector3d& p) const {
+  const BodyPart& part = parts_[part_index];
+  BodyPlace place{part.material, part.joint, 0.0, 0.0};
+  if (part.kind == BodyPart::Kind::trunk) {
     const double z = p.z() * 1.75 / build_.height;
     place.joint = trunk_joint(z);
     if (z < kShirtHem) place.material = Material::trousers;
   }
-  const bool axial = nearest->kind == BodyPart::Kind::cone;
-  const Vector3d axis = axial ? Vector3d((nearest->b - nearest->a).normalized()) : Vector3d(-Vector3d::UnitZ());
+  const bool axial = part.kind == BodyPart::Kind::cone;
+  const Vector3d axis = axial ? Vector3d((part.b - part.a).normalized()) : Vector3d(-Vector3d::UnitZ());
   const Vector3d side = axis.cross(Vector3d::UnitX()).normalized(), front = side.cross(axis);
-  const Vector3d from = p - nearest->a;
+  const Vector3d from = p - part.a;
   place.along = axial ? from.dot(axis) : -p.z();
   place.around = std::atan2(from.dot(side), from.dot(front));
   return place;

@@ -48,7 +48,9 @@ class BodyShape {
   BodyShape(const Skeleton& skeleton, const BodyBuild& build);
   double distance(const Eigen::Vector3d& p) const;  // negative inside; true to first order near the surface
   Eigen::Vector3d gradient(const Eigen::Vector3d& p) const;
-  BodyPlace place_of(const Eigen::Vector3d& p) const;  // of the nearest part
+  std::size_t nearest_part(const Eigen::Vector3d& p) const;
+  BodyPlace place_on(std::size_t part, const Eigen::Vector3d& p) const;
+  BodyPlace place_of(const Eigen::Vector3d& p) const { return place_on(nearest_part(p), p); }
   // How closed in a point of the surface is by the body itself: 1 open, 0 buried (Evans 2006: distance field sampled
   // along the normal).
   double openness(const Eigen::Vector3d& p, const Eigen::Vector3d& normal) const;

@@ -214,8 +214,8 @@ Vector3d sole_colour(const Spot& spot) {
 
 }  // namespace
 
-Vector3d colour_at(const BodyShape& shape, const Clothing& clothing, const Vector3d& p) {
-  const Spot spot{clothing, p * (1.75 / shape.build().height), shape.place_of(p), shape.build().seed};
+Vector3d colour_at(const BodyShape& shape, const Clothing& clothing, const Vector3d& p, const BodyPlace& place) {
+  const Spot spot{clothing, p * (1.75 / shape.build().height), place, shape.build().seed};
   Vector3d colour = Vector3d::Zero();
   switch (spot.place.material) {
     case Material::skin:

@@ -16,6 +16,8 @@ struct Clothing {
 };
 
 // sRGB in 0 to 1 of a point on (or within millimetres of) the surface of `shape`.
-Eigen::Vector3d colour_at(const BodyShape& shape, const Clothing& clothing, const Eigen::Vector3d& p);
+// `place`: of p on the shape.
+Eigen::Vector3d colour_at(const BodyShape& shape, const Clothing& clothing, const Eigen::Vector3d& p,
+                          const BodyPlace& place);
 
 }  // namespace rotunda::simulator

@@ -185,6 +185,15 @@ class AnklePath {
     return free_ankle(skeleton_, phase, hip_height_) + correction + Vector2d(0.0, lift);
   }
 
+  // How far the ankle has moved along the foot by rolling and by turning about the ball; metres.
+  double along_foot(double phase) const {
+    phase -= std::floor(phase);
+    const double t = std::max(0.0, (phase - kToeOff) / (1.0 - kToeOff));
+    const double now = phase <= kToeOff ? phase : kToeOff;
+    const auto moved = [&](double at) { return standing_ankle(skeleton_, pitch(at)).x(); };
+    return moved(now) + t * t * (3.0 - 2.0 * t) * (moved(0.0) - moved(now));
+  }
+
   static double pitch(double phase) { return degrees(periodic_curve(kFootPitch, phase)); }
 
  private:
@@ -242,9 +251,9 @@ Pose gait_pose(const Skeleton& skeleton, double seconds, const GaitOptions& opti
     const Vector2d ankle = path.at(phase);
     const double pitch = AnklePath::pitch(phase), own = phase - std::floor(phase);
     const double release = std::clamp((own - kToeOff - 0.05) / 0.14, 0.0, 1.0);  // the toes straighten after toe-off
-    place_foot(
-        skeleton, pose, side,
-        {{ankle.x(), s * 0.088 * scale, ankle.y()}, pitch, degrees(5.0), std::max(0.0, -pitch) * (1.0 - release)});
+    const double toe_out = degrees(5.0), y = s * (0.088 * scale + std::sin(toe_out) * path.along_foot(phase));
+    place_foot(skeleton, pose, side,
+               {{ankle.x(), y, ankle.y()}, pitch, toe_out, std::max(0.0, -pitch) * (1.0 - release)});
     const double swing = -s * std::cos(cycle);  // forwards with the other leg
     place_arm(skeleton, pose, side, {degrees(15.0), degrees(2.0 + 19.0 * swing), degrees(24.0 + 10.0 * swing)});
   }

@@ -35,8 +35,7 @@ cv::Vec3b texel(const Eigen::Vector3d& colour) {
 
 }  // namespace
 
-SurfaceTexture paint_surface(const recon::TriangleMesh& mesh, int texels,
-                             const std::function<Eigen::Vector3d(const Eigen::Vector3d&)>& colour) {
+SurfaceTexture paint_surface(const recon::TriangleMesh& mesh, int texels, const PaintAt& colour) {
   const Cell cell(texels);
   const auto slots = static_cast<double>((mesh.triangles.size() + 1) / 2);
   const int columns = static_cast<int>(std::ceil(std::sqrt(slots)));
@@ -56,7 +55,7 @@ SurfaceTexture paint_surface(const recon::TriangleMesh& mesh, int texels,
         const double a = static_cast<double>(i) / cell.edge, b = static_cast<double>(j) / cell.edge;
         const Eigen::Vector2d at = place.origin + place.direction * Eigen::Vector2d(i, j);
         texture.picture.at<cv::Vec3b>(static_cast<int>(at.y()), static_cast<int>(at.x())) =
-            texel(colour(p[0] + a * (p[1] - p[0]) + b * (p[2] - p[0])));
+            texel(colour(t, p[0] + a * (p[1] - p[0]) + b * (p[2] - p[0])));
       }
   });
   return texture;

@@ -13,8 +13,10 @@ struct SurfaceTexture {
   std::vector<Eigen::Vector2f> corners;  // three a triangle, in texels; (0.5, 0.5) is the centre of the first one
 };
 
-// `texels` along a triangle's edge, 4 or more. `colour` (sRGB, 0 to 1) is asked from several threads.
-SurfaceTexture paint_surface(const recon::TriangleMesh& mesh, int texels,
-                             const std::function<Eigen::Vector3d(const Eigen::Vector3d&)>& colour);
+// sRGB, 0 to 1, of a point on (or a texel beside) a triangle. Asked from several threads.
+using PaintAt = std::function<Eigen::Vector3d(std::size_t triangle, const Eigen::Vector3d& point)>;
+
+// `texels` along a triangle's edge, 2 or more.
+SurfaceTexture paint_surface(const recon::TriangleMesh& mesh, int texels, const PaintAt& colour);
 
 }  // namespace rotunda::simulator

@@ -14,8 +14,8 @@ namespace {
 const Person& alex() {
   static const Person person = [] {
     auto description = describe_person("alex");
-    description.texels_per_edge = 4;
-    description.coarseness = 1.7;
+    description.texels_per_edge = 2;
+    description.coarseness = 1.4;
     return make_person(description);
   }();
   return person;

@@ -12,8 +12,8 @@ namespace {
 
 Person painted_coarsely() {
   auto description = describe_person("alex");
-  description.texels_per_edge = 4;
-  description.coarseness = 1.7;
+  description.texels_per_edge = 2;
+  description.coarseness = 1.4;
   return make_person(description);
 }
 
@@ -87,13 +87,13 @@ TEST(SceneRenderer, TheMatteIsWhereThePictureLeavesThePlate) {
   for (int y = 0; y < changed.rows; ++y)
     for (int x = 0; x < changed.cols; ++x) {
       const auto& d = changed.at<cv::Vec3b>(y, x);
-      const bool differs = d[0] > 25 || d[1] > 25;  // red and green: a shadow on blue hardly changes them
+      const bool differs = d[0] > 25 || d[1] > 25;
       const auto cover = picture.matte.at<std::uint8_t>(y, x);
       if (cover == 0) ++out, far_out += differs;
       if (cover == 255) ++in, far_in += differs;
     }
-  EXPECT_LT(far_out / out, 0.002);
-  EXPECT_GT(far_in / in, 0.80);  // dark cloth and shaded hair come close to the plate's dark red
+  EXPECT_LT(far_out / out, 0.01);  // the darkest contact shadow, under the soles
+  EXPECT_GT(far_in / in, 0.80);    // dark cloth and shaded hair come close to the plate's dark red
 }
 
 TEST(SceneRenderer, TheEmptyStudioIsBlue) {
