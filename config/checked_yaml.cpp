@@ -39,7 +39,7 @@ std::string shown(const YAML::Node& node) {
 
 std::string nearest_word(const std::string& word, const std::set<std::string>& known) {
   std::string nearest;
-  std::size_t fewest = std::max<std::size_t>(2, word.size() / 2);
+  std::size_t fewest = std::max<std::size_t>(3, word.size() / 2 + 1);
   for (const auto& candidate : known) {
     const auto distance = edit_distance(word, candidate);
     if (distance >= fewest) continue;

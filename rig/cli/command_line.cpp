@@ -22,6 +22,7 @@ std::string unknown_command(const CLI::App& app, int argc, const char* const* ar
   const CLI::App* at = &app;
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
+    if (word == "--takes" || word == "--daemon") ++i;  // and their value
     if (word.rfind('-', 0) == 0) continue;
     std::set<std::string> known;
     const CLI::App* next = nullptr;
@@ -43,7 +44,8 @@ std::string unknown_command(const CLI::App& app, int argc, const char* const* ar
 
 int explain(const CommandLine& line, const CLI::ParseError& error, int argc, const char* const* argv) {
   if (error.get_exit_code() == 0) return line.app.exit(error);  // --help, --version
-  const auto advice = unknown_command(line.app, argc, argv);
+  const bool about_commands = error.get_name() == "ExtrasError" || error.get_name() == "RequiredError";
+  const auto advice = about_commands ? unknown_command(line.app, argc, argv) : "";
   fmt::print(stderr, "rotunda: {}\nSee: rotunda --help, or rotunda COMMAND --help\n",
              advice.empty() ? error.what() : advice);
   return kUsage;

@@ -1,10 +1,10 @@
 // rotunda render, play, show: geometry videos as pictures, films, and in a window.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <regex>
 
 #include "capture/calibration_file.h"
 #include "capture/picture.h"
@@ -31,7 +31,9 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 struct RenderArguments {
-  std::string clip, view, frames, size, background;
+  std::string clip, view, frames;
+  std::vector<int> size;        // width, height
+  std::vector<int> background;  // red, green, blue
   bool orbit = false;
   std::optional<std::size_t> frame;
   double turns = 1.0;
@@ -49,25 +51,11 @@ fs::path find_video(const CommandLine& line, const std::string& clip) {
   return video;
 }
 
-std::pair<int, int> size_from(const std::string& text) {
-  std::smatch parts;
-  if (!std::regex_match(text, parts, std::regex("([1-9][0-9]{0,4})x([1-9][0-9]{0,4})")))
-    throw InvalidInput("\"" + text + "\" is no picture size; write WIDTHxHEIGHT, such as 1280x720");
-  return {std::stoi(parts[1]), std::stoi(parts[2])};
-}
-
-std::optional<recon::Colour> background_from(const std::string& text) {
-  if (text.empty()) return std::nullopt;
-  std::smatch parts;
-  const std::regex three("([0-9]{1,3}),([0-9]{1,3}),([0-9]{1,3})");
+std::optional<recon::Colour> background_of(const RenderArguments& arguments) {
+  if (arguments.background.empty()) return std::nullopt;
   recon::Colour colour{};
-  bool good = std::regex_match(text, parts, three);
-  for (std::size_t i = 0; good && i < 3; ++i) {
-    const int value = std::stoi(parts[i + 1]);
-    good = value <= 255;
-    colour[i] = static_cast<std::uint8_t>(value);
-  }
-  if (!good) throw InvalidInput("\"" + text + "\" is no colour; write R,G,B, each 0 to 255, such as 24,26,30");
+  std::transform(arguments.background.begin(), arguments.background.end(), colour.begin(),
+                 [](int value) { return static_cast<std::uint8_t>(value); });
   return colour;
 }
 
@@ -119,10 +107,13 @@ int tell(const CommandLine& line, const recon::StageClock& clock, const fs::path
 int render_orbit(const CommandLine& line, const RenderArguments& arguments, recon::GeometryVideoReader& video,
                  std::stop_token stop) {
   playback::OrbitFilmOptions options;
-  if (!arguments.size.empty()) std::tie(options.width, options.height) = size_from(arguments.size);
+  if (!arguments.size.empty()) {
+    options.width = arguments.size[0];
+    options.height = arguments.size[1];
+  }
   std::tie(options.first_frame, options.last_frame) = chosen_frames(arguments, video.header());
   options.turns = arguments.turns;
-  options.background = background_from(arguments.background);
+  options.background = background_of(arguments);
   options.stop = stop;
   Progress bar("rendering");
   options.progress = [&](int done, int all) {
@@ -153,8 +144,8 @@ playback::Viewpoint viewpoint_for(const RenderArguments& arguments, const recon:
   if (!arguments.view.empty()) return playback::viewpoint_of(camera_from(arguments.view));
   Eigen::AlignedBox3d box;
   for (const auto& position : image.positions) box.extend(position.cast<double>());
-  const auto [width, height] = size_from(arguments.size.empty() ? "1280x720" : arguments.size);
-  return playback::orbit_around(box).viewpoint(width, height);
+  const auto size = arguments.size.empty() ? std::vector<int>{1280, 720} : arguments.size;
+  return playback::orbit_around(box).viewpoint(size[0], size[1]);
 }
 
 int render_view(const CommandLine& line, const RenderArguments& arguments, recon::GeometryVideoReader& video,
@@ -163,7 +154,7 @@ int render_view(const CommandLine& line, const RenderArguments& arguments, recon
     throw InvalidInput("--view draws through that camera at its own size; leave --size out");
   const auto [first, end] = chosen_frames(arguments, video.header());
   const auto viewpoint = viewpoint_for(arguments, video.read(first));
-  const auto background = background_from(arguments.background);
+  const auto background = background_of(arguments);
   const bool one_picture = arguments.output.extension() == ".png";
   if (one_picture && end - first > 1)
     throw InvalidInput(
@@ -250,8 +241,14 @@ void add_render(CommandLine& line) {
   app->add_option("--turns", arguments->turns, "of the orbit")->capture_default_str();
   auto* frames = app->add_option("--frames", arguments->frames, "A:B, half-open, counted from 0");
   app->add_option("--frame", arguments->frame, "this frame alone")->excludes(frames);
-  app->add_option("--size", arguments->size, "WIDTHxHEIGHT (1280x720)");
-  app->add_option("--background", arguments->background, "R,G,B; else PNG pictures have straight alpha");
+  app->add_option("--size", arguments->size, "WIDTHxHEIGHT (1280x720)")
+      ->delimiter('x')
+      ->expected(2)
+      ->check(CLI::Range(16, 16384));
+  app->add_option("--background", arguments->background, "R,G,B; else PNG pictures have straight alpha")
+      ->delimiter(',')
+      ->expected(3)
+      ->check(CLI::Range(0, 255));
   app->add_option("-o,--output", arguments->output, "FILE.png, FILE.mp4 or a folder of pictures")->required();
   app->footer(
       "Examples:\n  rotunda render demo --orbit -o orbit.mp4\n"
