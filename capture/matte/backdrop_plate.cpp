@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kOrder = 5;
 constexpr int kTerms = (kOrder + 1) * (kOrder + 2) / 2;
-constexpr int kStride = 4;  // every fourth pixel both ways is plenty for 21 coefficients a channel
+constexpr int kStride = 8;  // every eighth pixel both ways is plenty for 21 coefficients a channel
 constexpr double kLeastShare = 0.02;
 // A pixel is backdrop-coloured if its channel leads both others by a sixth; blue paint leads by a third and more even
 // where little light falls, skin and cloth other than blue do not lead at all.

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <vector>
 
 #include "capture/matte/edge_matte.h"
 #include "config/errors.h"
@@ -19,6 +20,8 @@ constexpr double kLeastBackdrop = 0.05;
 constexpr float kDifferenceStep = 0.16F;  // of ln(channel): 17 % off the plate's colour at its best brightness
 constexpr int kSmallestPiece = 4000;      // a picture's area over this is the smallest piece of performer kept
 constexpr int kSmallestHole = 20000;
+constexpr float kUnlit = 28.0F;  // grey levels, mean of a whole row or column: black level and ringing, no light
+constexpr int kSpoiltLines = 4;  // pixels
 
 // The limit that d = ln(R/Rp) - ln(B/Bp) must pass to be performer, by brightness l = ln(B/Bp): shadow stays well below
 // zero where dark cloth and hair come near it.
@@ -71,17 +74,54 @@ cv::Mat by_difference(const cv::Mat& log_rgb, const cv::Mat& log_plate) {
   return inside;
 }
 
-// Keeps pieces of `value` (0 or 255) of at least `smallest` pixels; the others turn over.
-void turn_small_pieces(cv::Mat& mask, std::uint8_t value, int smallest) {
-  cv::Mat pieces = mask == value, labels, statistics, centres;
-  const int count = cv::connectedComponentsWithStats(pieces, labels, statistics, centres, value ? 8 : 4);
-  std::vector<bool> small(static_cast<std::size_t>(count), false);
+// Turns the pieces of `value` (0 or 255) over that `goes` says of, by their statistics (cv::ConnectedComponentsTypes).
+template <class Goes>
+void turn_pieces(cv::Mat mask, std::uint8_t value, const Goes& goes) {
+  cv::Mat labels, statistics, centres;
+  const int count = cv::connectedComponentsWithStats(mask == value, labels, statistics, centres, value ? 8 : 4, CV_32S);
+  std::vector<std::uint8_t> after(static_cast<std::size_t>(count), value);
+  after[0] = static_cast<std::uint8_t>(255 - value);
   for (int piece = 1; piece < count; ++piece)
-    small[static_cast<std::size_t>(piece)] = statistics.at<int>(piece, cv::CC_STAT_AREA) < smallest;
+    if (goes(statistics.ptr<int>(piece))) after[static_cast<std::size_t>(piece)] = after[0];
   for (int y = 0; y < mask.rows; ++y)
-    for (int x = 0; x < mask.cols; ++x)
-      if (small[static_cast<std::size_t>(labels.at<int>(y, x))])
-        mask.at<std::uint8_t>(y, x) = static_cast<std::uint8_t>(255 - value);
+    std::transform(labels.ptr<int>(y), labels.ptr<int>(y) + mask.cols, mask.ptr<std::uint8_t>(y),
+                   [&](int label) { return after[static_cast<std::size_t>(label)]; });
+}
+
+// The part of the picture that got light: digitised video has black bars along its sides, wholly dark rows and columns.
+cv::Rect lit_area(const cv::Mat& rgb) {
+  cv::Mat column_means, row_means;
+  cv::reduce(rgb, column_means, 0, cv::REDUCE_AVG, CV_32F);
+  cv::reduce(rgb, row_means, 1, cv::REDUCE_AVG, CV_32F);
+  const auto is_dark = [](const cv::Vec3f& mean) { return std::max({mean[0], mean[1], mean[2]}) < kUnlit; };
+  int left = 0, right = rgb.cols, top = 0, bottom = rgb.rows;
+  while (left < right && is_dark(column_means.at<cv::Vec3f>(0, left))) ++left;
+  while (right > left && is_dark(column_means.at<cv::Vec3f>(0, right - 1))) --right;
+  while (top < bottom && is_dark(row_means.at<cv::Vec3f>(top, 0))) ++top;
+  while (bottom > top && is_dark(row_means.at<cv::Vec3f>(bottom - 1, 0))) --bottom;
+  if (left == right || top == bottom) return {{}, rgb.size()};  // dark all over: nothing to tell bars by
+  return {left, top, right - left, bottom - top};
+}
+
+// Nothing in the bars is performer, nor any small piece, nor what keeps to the lines next to the picture's and the
+// bars' edges, which scanning and sharpening spoil.
+void drop_stray_pieces(cv::Mat& inside, const cv::Rect& lit) {
+  cv::Mat kept = cv::Mat::zeros(inside.size(), CV_8UC1);
+  inside(lit).copyTo(kept(lit));
+  const int smallest = std::max(4, static_cast<int>(inside.total()) / kSmallestPiece);
+  turn_pieces(kept(lit), 255, [&](const int* piece) {
+    const int x = piece[cv::CC_STAT_LEFT], width = piece[cv::CC_STAT_WIDTH];
+    const int y = piece[cv::CC_STAT_TOP], height = piece[cv::CC_STAT_HEIGHT];
+    const bool along_side = width <= kSpoiltLines && (x == 0 || x + width == lit.width);
+    const bool along_end = height <= kSpoiltLines && (y == 0 || y + height == lit.height);
+    return along_side || along_end || piece[cv::CC_STAT_AREA] < smallest;
+  });
+  inside = kept;
+}
+
+void fill_small_holes(cv::Mat& inside) {
+  const int smallest = std::max(4, static_cast<int>(inside.total()) / kSmallestHole);
+  turn_pieces(inside, 0, [&](const int* piece) { return piece[cv::CC_STAT_AREA] < smallest; });
 }
 
 cv::Mat picture_of(const cv::Mat& log_plate) {
@@ -117,9 +157,8 @@ Matte chroma_key(const cv::Mat& rgb, const ChromaKeyOptions& options, const cv::
   const cv::Mat log_plate = background.empty() ? fit_plate(rgb, options.backdrop) : log_picture(blurred(background));
   if (log_plate.empty()) return {cv::Mat::zeros(rgb.size(), CV_8UC1)};
   cv::Mat inside = difference ? by_difference(log_rgb, log_plate) : by_chroma(log_rgb, log_plate, options.backdrop);
-  const int area = static_cast<int>(rgb.total());
-  turn_small_pieces(inside, 255, std::max(4, area / kSmallestPiece));
-  turn_small_pieces(inside, 0, std::max(4, area / kSmallestHole));
+  drop_stray_pieces(inside, lit_area(rgb));
+  fill_small_holes(inside);
   return edge_matte(rgb, background.empty() ? picture_of(log_plate) : background, inside);
 }
 

@@ -106,6 +106,13 @@ TEST(ChromaKey, LeavesShadowOnTheBackdropToTheBackdrop) {
   EXPECT_LT(cv::sum(matte.alpha.rowRange(185, kHeight))[0] / 255.0, 20.0);  // of 17600 pixels
 }
 
+TEST(ChromaKey, TakesBlackBarsAlongThePictureForNobody) {
+  cv::Mat rgb = picture_of({});
+  rgb.colRange(kWidth - 20, kWidth).setTo(cv::Scalar(12, 14, 18));
+  rgb.rowRange(0, 3).setTo(cv::Scalar(8, 8, 8));
+  expect_the_disc(chroma_key(rgb));
+}
+
 TEST(ChromaKey, FindsNobodyInAnEmptyStudio) {
   EXPECT_LT(area_of(chroma_key(picture_of({}, false))), 1.0);
 }
