@@ -165,11 +165,11 @@ std::size_t BodyShape::nearest_part(const Vector3d& p) const {
 BodyPlace BodyShape::place_on(std::size_t part_index, const Vector3d& p) const {
   const BodyPart& part = parts_[part_index];
   BodyPlace place{part.material, part.joint, 0.0, 0.0};
-  if (part.kind == BodyPart::Kind::trunk) {
-    const double z = p.z() * 1.75 / build_.height;
-    place.joint = trunk_joint(z);
-    if (z < kShirtHem) place.material = Material::trousers;
-  }
+  const double z = p.z() * 1.75 / build_.height;
+  if (part.kind == BodyPart::Kind::trunk) place.joint = trunk_joint(z);
+  if (part.material == Material::shirt && place.joint == Joint::pelvis && z < kShirtHem)
+    place.material = Material::trousers;
+  if (part.material == Material::trousers && z >= kShirtHem) place.material = Material::shirt;  // it hangs over them
   const bool axial = part.kind == BodyPart::Kind::cone;
   const Vector3d axis = axial ? Vector3d((part.b - part.a).normalized()) : Vector3d(-Vector3d::UnitZ());
   const Vector3d side = axis.cross(Vector3d::UnitX()).normalized(), front = side.cross(axis);

@@ -9,6 +9,7 @@
 
 #include "capture/calibration_file.h"
 #include "capture/picture.h"
+#include "recon/mesh/mesh_file.h"
 #include "simulator/studio/frame_cache.h"
 #include "simulator/studio/scene_renderer.h"
 
@@ -58,27 +59,6 @@ recon::TriangleMesh truth_mesh(const Person& person, Act act, capture::Timestamp
   return posed_mesh(person, pose_at(person.skeleton, act, act_seconds(exposure_start, act)));
 }
 
-void write_truth_mesh(const std::filesystem::path& file, const recon::TriangleMesh& mesh) {
-  std::ofstream out(file, std::ios::binary);
-  out << "ply\nformat binary_little_endian 1.0\nelement vertex " << mesh.positions.size()
-      << "\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\nproperty float ny\n"
-         "property float nz\nproperty uchar red\nproperty uchar green\nproperty uchar blue\nelement face "
-      << mesh.triangles.size() << "\nproperty list uchar int vertex_indices\nend_header\n";
-  const auto put = [&](const void* bytes, std::size_t size) {
-    out.write(static_cast<const char*>(bytes), static_cast<std::streamsize>(size));
-  };
-  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
-    put(mesh.positions[v].data(), 3 * sizeof(float));
-    put(mesh.normals[v].data(), 3 * sizeof(float));
-    put(mesh.colours[v].data(), 3);
-  }
-  for (const auto& t : mesh.triangles) {
-    out.put(3);
-    put(t.data(), sizeof(t));
-  }
-  if (!out.flush()) throw std::system_error(errno, std::generic_category(), "cannot write " + file.string());
-}
-
 TruthFiles::TruthFiles(std::filesystem::path directory, const SceneRenderer& studio, Act act, int frames)
     : directory_(std::move(directory)), studio_(studio), act_(act) {
   std::filesystem::create_directories(directory_ / "meshes");
@@ -89,7 +69,7 @@ TruthFiles::TruthFiles(std::filesystem::path directory, const SceneRenderer& stu
 
 void TruthFiles::write_frame(int frame, const std::vector<ScenePicture>& pictures) const {
   const Person& person = studio_.person();
-  write_truth_mesh(directory_ / "meshes" / (frame_name(frame) + ".ply"),
+  recon::write_ply(directory_ / "meshes" / (frame_name(frame) + ".ply"),
                    posed_mesh(person, pose_at(person.skeleton, act_, frame * kActStep)));
   for (std::size_t camera = 0; camera < pictures.size(); ++camera)
     capture::write_png(directory_ / "mattes" / studio_.cameras()[camera].name / (frame_name(frame) + ".png"),

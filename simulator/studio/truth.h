@@ -31,9 +31,6 @@ class TruthFiles {
   Act act_;
 };
 
-// The surface as binary PLY with normals and colours. Throws std::system_error.
-void write_truth_mesh(const std::filesystem::path& file, const recon::TriangleMesh& mesh);
-
 // "frame000042".
 std::string frame_name(int frame);
 
