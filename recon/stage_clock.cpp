@@ -21,17 +21,23 @@ double median(std::vector<double> values) {
 
 }  // namespace
 
-StageClock::Reading::Reading(StageClock& clock, const std::string& stage)
-    : clock_(clock), stage_(stage), begun_(std::chrono::steady_clock::now()), cpu_begun_(thread_cpu_ms()) {}
+StageClock::Laps::Laps(StageClock& clock, std::string stage)
+    : clock_(clock), stage_(std::move(stage)), wall_(std::chrono::steady_clock::now()), cpu_ms_(thread_cpu_ms()) {}
 
-StageClock::Reading::~Reading() {
-  const std::chrono::duration<double, std::milli> wall = std::chrono::steady_clock::now() - begun_;
-  const double cpu = thread_cpu_ms() - cpu_begun_;
-  const std::lock_guard lock(clock_.mutex_);
-  auto& runs = clock_.runs_[stage_];
-  if (runs.wall_ms.empty()) clock_.order_.push_back(stage_);
-  runs.wall_ms.push_back(wall.count());
-  runs.cpu_ms.push_back(cpu);
+void StageClock::Laps::lap() {
+  const auto wall = std::chrono::steady_clock::now();
+  const double cpu_ms = thread_cpu_ms();
+  clock_.add(stage_, std::chrono::duration<double, std::milli>(wall - wall_).count(), cpu_ms - cpu_ms_);
+  wall_ = wall;
+  cpu_ms_ = cpu_ms;
+}
+
+void StageClock::add(const std::string& stage, double wall_ms, double cpu_ms) {
+  const std::lock_guard lock(mutex_);
+  auto& runs = runs_[stage];
+  if (runs.wall_ms.empty()) order_.push_back(stage);
+  runs.wall_ms.push_back(wall_ms);
+  runs.cpu_ms.push_back(cpu_ms);
 }
 
 std::vector<StageCost> StageClock::costs() const {

@@ -18,10 +18,27 @@ struct StageCost {
 
 class StageClock {
  public:
+  // Laps of a loop that is not ours to wrap: each lap is one run of `stage`, from the lap before or from the start.
+  class Laps {
+   public:
+    Laps(StageClock& clock, std::string stage);
+    void lap();
+
+   private:
+    StageClock& clock_;
+    std::string stage_;
+    std::chrono::steady_clock::time_point wall_;
+    double cpu_ms_;
+  };
+
   // Runs `work`, whose CPU time is all on this thread, as one run of `stage`.
   template <class Work>
   auto run(const std::string& stage, Work&& work) {
-    const Reading reading(*this, stage);
+    struct Reading {
+      Laps laps;
+      ~Reading() { laps.lap(); }
+    };
+    Reading reading{Laps(*this, stage)};
     return work();
   }
 
@@ -29,17 +46,7 @@ class StageClock {
   std::vector<StageCost> costs() const;
 
  private:
-  class Reading {
-   public:
-    Reading(StageClock& clock, const std::string& stage);
-    ~Reading();
-
-   private:
-    StageClock& clock_;
-    const std::string& stage_;
-    std::chrono::steady_clock::time_point begun_;
-    double cpu_begun_;
-  };
+  void add(const std::string& stage, double wall_ms, double cpu_ms);
   struct Runs {
     std::vector<double> wall_ms, cpu_ms;
   };

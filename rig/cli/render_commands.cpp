@@ -115,15 +115,17 @@ int render_orbit(const CommandLine& line, const RenderArguments& arguments, reco
   options.turns = arguments.turns;
   options.background = background_of(arguments);
   options.stop = stop;
-  Progress bar("rendering");
-  options.progress = [&](int done, int all) {
-    bar.update(static_cast<std::size_t>(done), static_cast<std::size_t>(all));
-  };
   playback::FilmOptions film_options{.width = options.width, .height = options.height, .fps = video.header().fps};
   if (options.background) film_options.background = *options.background;
   const auto film = playback::make_film_writer(arguments.output, film_options);
+  Progress bar("rendering");
   recon::StageClock clock;
-  clock.run("render", [&] { playback::render_orbit(video, options, *film); });
+  recon::StageClock::Laps laps(clock, "render");
+  options.progress = [&](int done, int all) {
+    laps.lap();
+    bar.update(static_cast<std::size_t>(done), static_cast<std::size_t>(all));
+  };
+  playback::render_orbit(video, options, *film);
   return tell(line, clock, arguments.output, !stop.stop_requested());
 }
 
@@ -183,10 +185,11 @@ int render_view(const CommandLine& line, const RenderArguments& arguments, recon
   return tell(line, clock, arguments.output, !stop.stop_requested());
 }
 
-int render(const CommandLine& line, const RenderArguments& arguments, std::stop_token stop) {
+int render(const CommandLine& line, RenderArguments arguments, std::stop_token stop) {
   if (arguments.orbit && (!arguments.view.empty() || arguments.frame))
     throw InvalidInput("--orbit goes round by itself; leave --view and --frame out");
   recon::GeometryVideoReader video(find_video(line, arguments.clip));
+  if (arguments.output.empty()) arguments.output = arguments.orbit ? "orbit.mp4" : "view.png";
   const playback::HeadlessDisplay display;
   return arguments.orbit ? render_orbit(line, arguments, video, std::move(stop))
                          : render_view(line, arguments, video, std::move(stop));
@@ -249,7 +252,7 @@ void add_render(CommandLine& line) {
       ->delimiter(',')
       ->expected(3)
       ->check(CLI::Range(0, 255));
-  app->add_option("-o,--output", arguments->output, "FILE.png, FILE.mp4 or a folder of pictures")->required();
+  app->add_option("-o,--output", arguments->output, "FILE.png, FILE.mp4 or a folder of pictures (orbit.mp4, view.png)");
   app->footer(
       "Examples:\n  rotunda render demo --orbit -o orbit.mp4\n"
       "  rotunda render demo --view calibration.yaml:cam03 --frame 12 -o view.png");

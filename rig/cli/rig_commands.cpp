@@ -132,23 +132,31 @@ int show_status(const CommandLine& line) {
   return kDone;
 }
 
+void add_cameras(CLI::App& parent, CommandLine& line) {
+  auto* cameras = parent.add_subcommand("cameras", "lists every camera that answers on this machine's links");
+  cameras->footer("Example:\n  rotunda cameras --json");
+  cameras->callback([&line] { line.run = [&line](std::stop_token) { return list_cameras(line.json); }; });
+}
+
+void add_status(CLI::App& parent, CommandLine& line) {
+  auto* status = parent.add_subcommand("status", "how the daemon, its cameras and the running take do");
+  status->footer("Example:\n  rotunda status");
+  status->callback([&line] { line.run = [&line](std::stop_token) { return show_status(line); }; });
+}
+
 }  // namespace
 
 void add_rig_commands(CommandLine& line) {
-  auto* rig = line.app.add_subcommand("rig", "rig files")->require_subcommand(1);
+  auto* rig = line.app.add_subcommand("rig", "the rig file, its cameras and the daemon")->require_subcommand(1);
   auto* init = rig->add_subcommand("init", "writes a rig file with every camera that answers");
   auto file = std::make_shared<fs::path>("rig.yaml");
   init->add_option("-o", *file, "the file to write")->capture_default_str();
   init->footer("Example:\n  rotunda rig init -o studio.yaml");
   init->callback([&line, file] { line.run = [file](std::stop_token) { return init_rig(*file); }; });
-
-  auto* cameras = line.app.add_subcommand("cameras", "lists every camera that answers on this machine's links");
-  cameras->footer("Example:\n  rotunda cameras --json");
-  cameras->callback([&line] { line.run = [&line](std::stop_token) { return list_cameras(line.json); }; });
-
-  auto* status = line.app.add_subcommand("status", "how the daemon, its cameras and the running take do");
-  status->footer("Example:\n  rotunda status");
-  status->callback([&line] { line.run = [&line](std::stop_token) { return show_status(line); }; });
+  for (auto* parent : {rig, &line.app}) {  // `rotunda rig status`, and short: `rotunda status`
+    add_cameras(*parent, line);
+    add_status(*parent, line);
+  }
 }
 
 }  // namespace rotunda::rig
