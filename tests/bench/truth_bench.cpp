@@ -1,6 +1,6 @@
 // How near a reconstructed take of the simulated studio comes to what the simulator knows: the key's mattes, the closed
 // surfaces, the geometry images, and pictures of them from where no camera stands.
-//   truth_bench TAKE [--person alex] [--act walk] [--frames FIRST:END] [--every-frame]
+//   truth_bench TAKE [--person alex] [--act walk] [--frames FIRST:END] [--every-frame] [--views DIR]
 // One line a figure: the median over the frames, the worst frame, what is asked.
 #include <fmt/format.h>
 
@@ -117,27 +117,34 @@ void measure_surface(const std::string& name, const recon::TriangleMesh& ours, c
   measured[name + " distance p95"].push_back(quantile(both, 0.95));
 }
 
-// Both before grey, over the pixels that show the person in either.
-void measure_view(const cv::Mat& drawn, const simulator::ScenePicture& truth, Measured& measured) {
-  double squares = 0.0;
-  int count = 0;
-  for (int y = 0; y < drawn.rows; ++y)
-    for (int x = 0; x < drawn.cols; ++x) {
-      const auto& pixel = drawn.at<cv::Vec4b>(y, x);
-      const double ours = pixel[3] / 255.0, theirs = truth.matte.at<std::uint8_t>(y, x) / 255.0;
-      if (ours < 0.5 && theirs < 0.5) continue;
-      for (int c = 0; c < 3; ++c) {
-        const double a = ours * pixel[c] + (1.0 - ours) * 128.0;
-        const double b = theirs * truth.rgb.at<cv::Vec3b>(y, x)[c] + (1.0 - theirs) * 128.0;
-        squares += (a - b) * (a - b);
-      }
-      ++count;
+// RGB before grey, straight alpha.
+cv::Mat before_grey(const cv::Mat& rgb, const cv::Mat& alpha) {
+  cv::Mat result(rgb.size(), CV_8UC3);
+  for (int y = 0; y < rgb.rows; ++y)
+    for (int x = 0; x < rgb.cols; ++x) {
+      const double share = alpha.at<std::uint8_t>(y, x) / 255.0;
+      for (int c = 0; c < 3; ++c)
+        result.at<cv::Vec3b>(y, x)[c] =
+            cv::saturate_cast<std::uint8_t>(share * rgb.at<cv::Vec3b>(y, x)[c] + (1.0 - share) * 128.0);
     }
-  measured["novel view PSNR"].push_back(10.0 * std::log10(255.0 * 255.0 / (squares / (3.0 * count))));
+  return result;
+}
+
+// Over the pixels that show the person in either. Returns both side by side.
+cv::Mat measure_view(const cv::Mat& drawn, const simulator::ScenePicture& truth, Measured& measured) {
+  cv::Mat rgb, alpha, side_by_side;
+  cv::cvtColor(drawn, rgb, cv::COLOR_RGBA2RGB);
+  cv::extractChannel(drawn, alpha, 3);
+  const cv::Mat ours = before_grey(rgb, alpha), theirs = before_grey(truth.rgb, truth.matte);
+  const cv::Mat either = (alpha > 127) | (truth.matte > 127);
+  const double rms = cv::norm(ours, theirs, cv::NORM_L2, either) / std::sqrt(3.0 * cv::countNonZero(either));
+  measured["novel view PSNR"].push_back(20.0 * std::log10(255.0 / rms));
+  cv::hconcat(ours, theirs, side_by_side);
+  return side_by_side;
 }
 
 struct Options {
-  std::string take, person = "alex", act = "walk", frames;
+  std::string take, person = "alex", act = "walk", frames, views;
   bool every_frame = false;
 };
 
@@ -145,11 +152,13 @@ class TruthBench {
  public:
   explicit TruthBench(const Options& options)
       : act_(simulator::act_from(options.act)),
+        views_(options.views),
         take_(options.take),
         studio_(recon::read_take_studio(take_, std::nullopt)),
         scene_(simulator::make_person(options.person), with_novel_views(studio_.views.cameras)) {
     const auto video = recon::geometry_video_of(take_.folder());
     if (std::filesystem::exists(video)) video_.emplace(video);
+    if (!views_.empty()) std::filesystem::create_directories(views_);
   }
 
   // False if the frame was not reconstructed.
@@ -196,12 +205,15 @@ class TruthBench {
     if (at < 0 || at >= video_->frame_count()) return;
     const auto image = video_->read(static_cast<int>(at));
     measure_surface("geometry image", recon::remesh(image), truth, measured);
-    for (std::size_t i = studio_.views.cameras.size(); i < pictures.size(); ++i)
-      measure_view(playback::render_geometry_image(image, playback::viewpoint_of(scene_.cameras()[i])), pictures[i],
-                   measured);
+    for (auto i = studio_.views.cameras.size(); i < pictures.size(); ++i) {
+      const auto drawn = playback::render_geometry_image(image, playback::viewpoint_of(scene_.cameras()[i]));
+      const auto both = measure_view(drawn, pictures[i], measured);
+      if (!views_.empty()) capture::write_png(views_ / fmt::format("frame{:06}-view{}.png", frame, i), both);
+    }
   }
 
   simulator::Act act_;
+  std::filesystem::path views_;  // folder for pictures of ours beside the truth; empty: none
   capture::TakeReader take_;
   recon::TakeStudio studio_;
   simulator::SceneRenderer scene_;  // its GL context draws the geometry images too
@@ -259,6 +271,7 @@ int main(int argc, char** argv) {
   app.add_option("--person", options.person, "who was before the cameras");
   app.add_option("--act", options.act, "doing what");
   app.add_option("--frames", options.frames, "FIRST:END; else all that are reconstructed");
+  app.add_option("--views", options.views, "write the novel views here, ours left, truth right");
   app.add_flag("--every-frame", options.every_frame, "print each frame too");
   CLI11_PARSE(app, argc, argv);
   try {
