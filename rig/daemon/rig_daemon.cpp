@@ -59,6 +59,7 @@ RigStatus RigDaemon::status() const {
 }
 
 std::shared_ptr<TakeSession> RigDaemon::start_take(const TakeRequest& request) {
+  fleet_.wait_until_tried({});  // a take asked for while the daemon starts is one with all cameras
   const std::lock_guard lock(mutex_);
   if (take_ && !take_->progress().closed)
     throw DeviceError(

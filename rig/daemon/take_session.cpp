@@ -31,9 +31,26 @@ std::string next_free_name(const std::filesystem::path& takes) {
   }
 }
 
-std::vector<std::string> names_of(const config::RigConfig& rig) {
-  std::vector<std::string> names;
-  for (const auto& camera : rig.cameras) names.push_back(camera.name);
+// The cameras a take has files for: all whose picture's size is known, from the rig file or because they once answered.
+std::vector<capture::TakeCamera> recorded_cameras(const CameraFleet& fleet) {
+  std::vector<capture::TakeCamera> cameras;
+  for (const auto& worker : fleet.workers()) {
+    const auto description = worker->description();
+    const auto& settings = worker->settings();
+    const bool answered = description.width > 0;
+    capture::TakeCamera camera;
+    camera.name = settings.camera;
+    camera.width = answered ? description.width : settings.width;
+    camera.height = answered ? description.height : settings.height;
+    camera.format = answered ? description.format : settings.format;
+    if (camera.width > 0 && camera.height > 0) cameras.push_back(camera);
+  }
+  return cameras;
+}
+
+std::vector<capture::CameraId> names_of(const std::vector<capture::TakeCamera>& cameras) {
+  std::vector<capture::CameraId> names;
+  for (const auto& camera : cameras) names.push_back(camera.name);
   return names;
 }
 
@@ -70,16 +87,7 @@ capture::TakeWriterOptions writer_options(const config::RigConfig& rig, const Ta
   options.rig_file = rig.file;
   if (rig.calibration) options.calibration_file = *rig.calibration;
   options.reserve_bytes = static_cast<std::uint64_t>(rig.storage.reserve_mb * 1e6);
-  for (const auto& worker : fleet.workers()) {
-    const auto description = worker->description();
-    const auto& settings = worker->settings();
-    capture::TakeCamera camera;
-    camera.name = settings.camera;
-    camera.width = description.width > 0 ? description.width : settings.width;
-    camera.height = description.height > 0 ? description.height : settings.height;
-    camera.format = description.width > 0 ? description.format : settings.format;
-    options.cameras.push_back(camera);
-  }
+  options.cameras = recorded_cameras(fleet);
   return options;
 }
 
@@ -94,10 +102,17 @@ capture::TriggerScheduleOptions schedule_for(const config::TriggerConfig& trigge
   return schedule;
 }
 
-capture::AssemblerOptions assembler_options(const config::RigConfig& rig,
+std::unique_ptr<capture::ActionCommandSender> action_sender(const config::TriggerConfig& trigger,
+                                                            capture::TriggerMode mode) {
+  if (mode != capture::TriggerMode::action) return nullptr;
+  return std::make_unique<capture::ActionCommandSender>(
+      capture::ActionSenderOptions{.interface_address = trigger.interface_address});
+}
+
+capture::AssemblerOptions assembler_options(const std::vector<capture::CameraId>& cameras,
                                             const capture::TriggerScheduleOptions& schedule) {
   capture::AssemblerOptions options;
-  options.cameras = names_of(rig);
+  options.cameras = cameras;
   options.grid = schedule.grid;
   options.triggers = schedule.count;
   options.deadline = std::max<std::chrono::nanoseconds>(kDeadline, 2 * schedule.grid.period);
@@ -117,13 +132,13 @@ TakeSession::TakeSession(const config::RigConfig& rig, const TakeRequest& reques
       mode_(ready_to_trigger(fleet)),
       trigger_config_(rig.trigger),
       most_queued_(static_cast<std::size_t>(rig.storage.queue_frame_sets)),
+      actions_(action_sender(rig.trigger, mode_)),
       folder_(take_folder(rig, request)),
       writer_(std::in_place, writer_options(rig, request, fleet, folder_)),
       schedule_(schedule_for(rig.trigger, request, mode_)),
-      assembler_(assembler_options(rig, schedule_)),
+      cameras_(names_of(writer_->info().cameras)),
+      assembler_(assembler_options(cameras_, schedule_)),
       queue_(most_queued_ + kRoomForHoles) {
-  if (mode_ == capture::TriggerMode::action)
-    actions_.emplace(capture::ActionSenderOptions{.interface_address = rig.trigger.interface_address});
   progress_.folder = folder_;
   progress_.name = folder_.filename().string();
   progress_.wanted = schedule_.count.value_or(0);
@@ -153,12 +168,18 @@ void TakeSession::fire(const capture::Trigger& trigger) {
     for (const auto& worker : fleet_.workers()) worker->request_software_trigger();
 }
 
+bool TakeSession::records(const capture::CameraId& camera) const {
+  return std::find(cameras_.begin(), cameras_.end(), camera) != cameras_.end();
+}
+
 void TakeSession::take_frame(capture::Frame&& frame) {
+  if (!records(frame.camera)) return;
   const std::lock_guard lock(assembler_mutex_);
   enqueue(assembler_.add(std::move(frame), capture::RigClock::now()));
 }
 
 void TakeSession::take_incomplete(const capture::IncompleteFrame& incomplete) {
+  if (!records(incomplete.camera)) return;
   const std::lock_guard lock(assembler_mutex_);
   enqueue(assembler_.add_loss(incomplete.camera, incomplete.exposure_start, capture::RigClock::now()));
 }
@@ -181,7 +202,8 @@ void TakeSession::close_due_sets() {
   const std::lock_guard lock(assembler_mutex_);
   auto now = capture::RigClock::now();
   for (const auto& worker : fleet_.workers())
-    enqueue(assembler_.set_absent(worker->settings().camera, !worker->streaming(), now));
+    if (records(worker->settings().camera))
+      enqueue(assembler_.set_absent(worker->settings().camera, !worker->streaming(), now));
   if (const auto triggers = triggers_to_record())
     now = std::min(now, schedule_.grid.time_of(*triggers));  // sets of triggers that were never fired stay unborn
   if (now == capture::Timestamp{}) return;

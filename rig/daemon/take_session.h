@@ -4,6 +4,7 @@
 // Camera threads only hand frames in. What the disk cannot take in time is written as holes, never dropped silently.
 #include <atomic>
 #include <condition_variable>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <thread>
@@ -38,6 +39,7 @@ class TakeSession : public FrameReceiver {
  private:
   void take_frame(capture::Frame&& frame) override;
   void take_incomplete(const capture::IncompleteFrame& incomplete) override;
+  bool records(const capture::CameraId& camera) const;
   void fire(const capture::Trigger& trigger);
   void enqueue(std::vector<capture::FrameSet> sets);
   void record();
@@ -52,10 +54,12 @@ class TakeSession : public FrameReceiver {
   capture::TriggerMode mode_;
   config::TriggerConfig trigger_config_;
   std::size_t most_queued_;
-  std::optional<capture::ActionCommandSender> actions_;
+  std::unique_ptr<capture::ActionCommandSender> actions_;  // in trigger mode `action`
   std::filesystem::path folder_;
   std::optional<capture::TakeWriter> writer_;  // until the take is closed; touched by the recorder only
   capture::TriggerScheduleOptions schedule_;
+
+  std::vector<capture::CameraId> cameras_;  // that have a file in this take
 
   mutable std::mutex assembler_mutex_;
   capture::FrameSetAssembler assembler_;
