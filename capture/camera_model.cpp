@@ -1,9 +1,8 @@
 #include "capture/camera_model.h"
 
-#include <cmath>
-
 #include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <cmath>
 #include <opencv2/imgproc.hpp>
 
 namespace rotunda::capture {

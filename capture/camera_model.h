@@ -2,22 +2,21 @@
 // Camera model: pinhole with skew and Brown-Conrady distortion, as calibration.yaml holds it (OpenCV's conventions).
 // Camera frame: x right, y down, z forward; x_in_camera = R x_in_world + t. World: metres, right-handed, z up.
 // Pixel (0, 0) is the centre of the top-left pixel. OpenCV's own functions ignore K[0][1]; these do not.
+#include <Eigen/Core>
+#include <opencv2/core.hpp>
 #include <optional>
 #include <string>
 #include <vector>
-
-#include <Eigen/Core>
-#include <opencv2/core.hpp>
 
 namespace rotunda::capture {
 
 struct CameraModel {
   std::string name;
-  int width = 0;   // pixels
-  int height = 0;  // pixels
-  Eigen::Matrix3d K = Eigen::Matrix3d::Identity();  // fx, skew, cx; 0, fy, cy; 0, 0, 1
+  int width = 0;                                                                 // pixels
+  int height = 0;                                                                // pixels
+  Eigen::Matrix3d K = Eigen::Matrix3d::Identity();                               // fx, skew, cx; 0, fy, cy; 0, 0, 1
   Eigen::Matrix<double, 5, 1> distortion = Eigen::Matrix<double, 5, 1>::Zero();  // k1 k2 p1 p2 k3
-  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();  // camera_from_world
+  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();                               // camera_from_world
   Eigen::Vector3d t = Eigen::Vector3d::Zero();
   double rms_px = 0.0;  // of the calibration; 0 if not known
 

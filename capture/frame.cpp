@@ -1,11 +1,11 @@
 #include "capture/frame.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <ctime>
 #include <utility>
-
-#include <fmt/format.h>
 
 #include "config/errors.h"
 
@@ -29,7 +29,9 @@ RigClock::time_point RigClock::now() noexcept {
   return time_point{std::chrono::seconds{moment.tv_sec} + std::chrono::nanoseconds{moment.tv_nsec}};
 }
 
-std::size_t bytes_per_pixel(PixelFormat format) { return format == PixelFormat::rgb8 ? 3 : 1; }
+std::size_t bytes_per_pixel(PixelFormat format) {
+  return format == PixelFormat::rgb8 ? 3 : 1;
+}
 
 std::string_view to_string(PixelFormat format) {
   return std::find_if(kNames.begin(), kNames.end(), [&](const auto& row) { return row.first == format; })->second;

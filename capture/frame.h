@@ -29,7 +29,7 @@ using CameraId = std::string;
 enum class PixelFormat { mono8, bayer_rg8, bayer_gr8, bayer_gb8, bayer_bg8, rgb8 };
 
 std::size_t bytes_per_pixel(PixelFormat format);
-std::string_view to_string(PixelFormat format);                         // "BayerRG8": the GenICam name
+std::string_view to_string(PixelFormat format);                               // "BayerRG8": the GenICam name
 std::optional<PixelFormat> pixel_format_from(std::string_view genicam_name);  // nothing if we do not know it
 
 // Shared, immutable pixels: whoever owns the memory (a vector, an Aravis buffer) stays alive as long as a copy.
@@ -50,8 +50,8 @@ Image make_image(int width, int height, PixelFormat format, std::vector<std::uin
 
 struct Frame {
   CameraId camera;
-  std::uint64_t trigger = 0;           // counted from the start of the take; gaps are dropped frames
-  Timestamp exposure_start;            // shutter opens
+  std::uint64_t trigger = 0;            // counted from the start of the take; gaps are dropped frames
+  Timestamp exposure_start;             // shutter opens
   std::chrono::nanoseconds exposure{};  // mid-exposure = exposure_start + exposure / 2
   Image image;
 };

@@ -1,9 +1,8 @@
 #include "capture/picture.h"
 
-#include <system_error>
-
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <system_error>
 
 #include "config/errors.h"
 
@@ -13,11 +12,16 @@ namespace {
 // OpenCV names a mosaic by its second row and column, hence the *RGGB* aliases that name the first.
 int demosaic_code(PixelFormat format) {
   switch (format) {
-    case PixelFormat::bayer_rg8: return cv::COLOR_BayerRGGB2RGB;
-    case PixelFormat::bayer_gr8: return cv::COLOR_BayerGRBG2RGB;
-    case PixelFormat::bayer_gb8: return cv::COLOR_BayerGBRG2RGB;
-    case PixelFormat::bayer_bg8: return cv::COLOR_BayerBGGR2RGB;
-    default: return cv::COLOR_GRAY2RGB;
+    case PixelFormat::bayer_rg8:
+      return cv::COLOR_BayerRGGB2RGB;
+    case PixelFormat::bayer_gr8:
+      return cv::COLOR_BayerGRBG2RGB;
+    case PixelFormat::bayer_gb8:
+      return cv::COLOR_BayerGBRG2RGB;
+    case PixelFormat::bayer_bg8:
+      return cv::COLOR_BayerBGGR2RGB;
+    default:
+      return cv::COLOR_GRAY2RGB;
   }
 }
 

@@ -1,7 +1,6 @@
 #pragma once
 // Pictures to work on: 8-bit sRGB in the order red, green, blue (CV_8UC3), never OpenCV's BGR; rows top to bottom.
 #include <filesystem>
-
 #include <opencv2/core.hpp>
 
 #include "capture/frame.h"

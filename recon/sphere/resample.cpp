@@ -1,8 +1,7 @@
 #include "recon/sphere/resample.h"
 
-#include <string>
-
 #include <Eigen/Geometry>
+#include <string>
 
 #include "config/errors.h"
 #include "recon/sphere/octahedral_lattice.h"

@@ -7,6 +7,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <fstream>
@@ -25,12 +26,23 @@ namespace {
 
 namespace fs = std::filesystem;
 
+enum class Verdict { good, note, look };  // note: costs something only if cameras hang on it
+
 struct Finding {
   std::string what;
-  bool good = false;
+  Verdict verdict = Verdict::look;
   std::string measured;
-  std::string cure;  // empty when good
+  std::string cure;
 };
+
+Verdict good_if(bool good) {
+  return good ? Verdict::good : Verdict::look;
+}
+
+const char* to_string(Verdict verdict) {
+  if (verdict == Verdict::good) return "good";
+  return verdict == Verdict::note ? "note" : "LOOK";
+}
 
 // One camera's burst at full rate while its reader is held up for a few frames.
 constexpr long kSocketBuffer = 4 << 20;
@@ -42,7 +54,7 @@ Finding socket_buffers() {
   std::ifstream file("/proc/sys/net/core/rmem_max");
   long granted = 0;
   file >> granted;
-  return {"socket buffers", granted >= kSocketBuffer, fmt::format("net.core.rmem_max = {}", granted),
+  return {"socket buffers", good_if(granted >= kSocketBuffer), fmt::format("net.core.rmem_max = {}", granted),
           "as root: cp config/sysctl.d/60-rotunda.conf /etc/sysctl.d/ && sysctl --system"};
 }
 
@@ -60,7 +72,8 @@ std::vector<Finding> link_mtus() {
   for (auto* entry = first; entry; entry = entry->ifa_next) {
     if (!entry->ifa_addr || entry->ifa_addr->sa_family != AF_INET || !(entry->ifa_flags & IFF_UP)) continue;
     const int mtu = mtu_of(entry->ifa_name);
-    findings.push_back({fmt::format("link {}", entry->ifa_name), mtu >= kJumboMtu, fmt::format("MTU {}", mtu),
+    findings.push_back({fmt::format("link {}", entry->ifa_name), mtu >= kJumboMtu ? Verdict::good : Verdict::note,
+                        fmt::format("MTU {}", mtu),
                         fmt::format("if cameras hang on it: ip link set {} mtu 9000 (and on the switch); without it "
                                     "capture costs six times the CPU",
                                     entry->ifa_name)});
@@ -75,13 +88,14 @@ Finding disk_speed(const fs::path& takes) {
   auto name = (folder / "rotunda-doctor-XXXXXX").string();
   const capture::UniqueFd file(mkstemp(name.data()));
   const auto what = "disk of " + folder.string();
-  if (!file) return {what, false, "cannot be written", "give this user the right to write there, or set --takes"};
+  if (!file)
+    return {what, Verdict::look, "cannot be written", "give this user the right to write there, or set --takes"};
   unlink(name.c_str());
   const std::vector<char> block(4 << 20, 0x5a);
   constexpr int kBlocks = 48;
   const auto begun = std::chrono::steady_clock::now();
   for (int i = 0; i < kBlocks; ++i)
-    if (::write(file.get(), block.data(), block.size()) < 0) return {what, false, "is full", "free some space"};
+    if (::write(file.get(), block.data(), block.size()) < 0) return {what, Verdict::look, "is full", "free some space"};
   fdatasync(file.get());
   const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begun;
   const double rate = static_cast<double>(block.size()) * kBlocks / spent.count();
@@ -95,9 +109,9 @@ Finding display() {
   try {
     const playback::HeadlessDisplay headless;
     const playback::RenderTarget target(64, 64);
-    return {"renderer", true, reinterpret_cast<const char*>(glGetString(GL_RENDERER)), ""};
+    return {"renderer", Verdict::good, reinterpret_cast<const char*>(glGetString(GL_RENDERER)), ""};
   } catch (const DeviceError& error) {
-    return {"renderer", false, error.what(), "apt-get install libgl1-mesa-dri"};
+    return {"renderer", Verdict::look, error.what(), "apt-get install libgl1-mesa-dri"};
   }
 }
 
@@ -108,17 +122,19 @@ int examine(const CommandLine& line) {
   findings.push_back(display());
   nlohmann::json report = nlohmann::json::array();
   for (const auto& finding : findings) {
+    const bool good = finding.verdict == Verdict::good;
     report.push_back({{"what", finding.what},
-                      {"good", finding.good},
+                      {"verdict", to_string(finding.verdict)},
                       {"measured", finding.measured},
-                      {"cure", finding.good ? "" : finding.cure}});
+                      {"cure", good ? "" : finding.cure}});
     if (line.json) continue;
-    fmt::print("{:<5} {:<24} {}\n", finding.good ? "good" : "LOOK", finding.what, finding.measured);
-    if (!finding.good) fmt::print("      -> {}\n", finding.cure);
+    fmt::print("{:<5} {:<24} {}\n", to_string(finding.verdict), finding.what, finding.measured);
+    if (!good) fmt::print("      -> {}\n", finding.cure);
   }
   if (line.json) fmt::print("{}\n", nlohmann::json{{"checks", report}}.dump(2));
-  const bool all_good = std::all_of(findings.begin(), findings.end(), [](const Finding& f) { return f.good; });
-  return all_good ? kDone : kDoneWithLoss;
+  const bool look =
+      std::any_of(findings.begin(), findings.end(), [](const Finding& f) { return f.verdict == Verdict::look; });
+  return look ? kDoneWithLoss : kDone;
 }
 
 }  // namespace
