@@ -100,7 +100,7 @@ Finding disk_speed(const fs::path& takes) {
   const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begun;
   const double rate = static_cast<double>(block.size()) * kBlocks / spent.count();
   return {
-      what, rate >= kDiskRate,
+      what, good_if(rate >= kDiskRate),
       fmt::format("{:.0f} MB/s, {:.0f} GB free", rate / 1e6, static_cast<double>(fs::space(folder).available) / 1e9),
       "ten cameras at 25 Hz write 104 MB/s: record to a faster disk with --takes"};
 }
