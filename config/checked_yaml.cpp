@@ -50,7 +50,7 @@ std::string nearest_word(const std::string& word, const std::set<std::string>& k
 }
 
 CheckedMap::CheckedMap(YAML::Node node, std::string path, Problems& problems)
-    : node_(std::move(node)), path_(std::move(path)), problems_(problems) {
+    : node_(node), path_(std::move(path)), problems_(problems) {
   if (node_.IsMap()) return;
   problems_.push_back(problem_at(node_, path_, "expected keys and values, found " + shown(node_)));
   node_ = YAML::Node(YAML::NodeType::Map);

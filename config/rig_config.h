@@ -41,7 +41,7 @@ struct VolumeConfig {
 
 struct StorageConfig {
   std::filesystem::path takes = "takes";  // absolute after loading
-  double reserve_mb = 2048.0;             // recording does not start, and stops, with less free than this
+  double reserve_mb = 2048.0;             // recording does not start with less free than this
   int queue_frame_sets = 50;              // held in memory while the disk is slow
 };
 

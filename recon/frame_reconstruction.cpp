@@ -1,5 +1,6 @@
 #include "recon/frame_reconstruction.h"
 
+#include <array>
 #include <cmath>
 
 #include "capture/matte/chroma_key.h"
@@ -20,6 +21,27 @@ std::vector<ColourView> colour_views(const FrameViews& views) {
   for (std::size_t i = 0; i < views.cameras.size(); ++i)
     result.push_back({views.cameras[i], views.pictures[i], views.mattes[i]});
   return result;
+}
+
+// Colours spread along edges from seen vertices to unseen ones, ring by ring.
+void fill_unseen_vertices(TriangleMesh& mesh, std::vector<std::uint8_t> seen) {
+  for (bool any = true; any;) {
+    any = false;
+    std::vector<std::array<unsigned, 4>> sums(mesh.positions.size());  // red, green, blue, count
+    for (const auto& triangle : mesh.triangles)
+      for (std::size_t i = 0; i < 3; ++i) {
+        const auto from = triangle[i], to = triangle[(i + 1) % 3];
+        if (!seen[from] || seen[to]) continue;
+        for (std::size_t c = 0; c < 3; ++c) sums[to][c] += mesh.colours[from][c];
+        ++sums[to][3];
+      }
+    for (std::size_t v = 0; v < sums.size(); ++v) {
+      if (sums[v][3] == 0) continue;
+      for (std::size_t c = 0; c < 3; ++c) mesh.colours[v][c] = static_cast<std::uint8_t>(sums[v][c] / sums[v][3]);
+      seen[v] = 255;
+      any = true;
+    }
+  }
 }
 
 std::uint8_t mix(std::uint8_t a, std::uint8_t b, double share) {
@@ -50,6 +72,14 @@ MappedFrame map_frame(const FrameViews& views, const SurfaceOptions& options, St
   auto sphere = clock.run("sphere", [&] { return map_to_sphere(surface.mesh); });
   if (!sphere.map) return {std::nullopt, sphere.report.failure};
   return {MappedSurface{std::move(surface.mesh), std::move(*sphere.map)}, ""};
+}
+
+void colour_vertices(TriangleMesh& mesh, const FrameViews& views, StageClock& clock) {
+  clock.run("vertices", [&] {
+    auto colour = surface_colour(mesh.positions, mesh.normals, mesh, colour_views(views), {.backdrop = views.backdrop});
+    mesh.colours = std::move(colour.colours);
+    fill_unseen_vertices(mesh, std::move(colour.coverage));
+  });
 }
 
 GeometryImage sample_frame(const MappedSurface& surface, const FrameViews& views, int level, int colour_level,

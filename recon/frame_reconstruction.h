@@ -41,6 +41,9 @@ struct MappedFrame {
 };
 MappedFrame map_frame(const FrameViews& views, const SurfaceOptions& options, StageClock& clock);
 
+// Colours at the mesh's own vertices; those no camera sees take their neighbours'.
+void colour_vertices(TriangleMesh& mesh, const FrameViews& views, StageClock& clock);
+
 // The geometry image at `level` with colours at `colour_level`, unseen texels filled.
 GeometryImage sample_frame(const MappedSurface& surface, const FrameViews& views, int level, int colour_level,
                            StageClock& clock);

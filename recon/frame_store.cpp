@@ -53,7 +53,7 @@ int level_of(const cv::Mat& picture, const fs::path& file) {
 }
 
 cv::Mat read_whole(const fs::path& file, int type) {
-  const cv::Mat picture = cv::imread(file.string(), cv::IMREAD_UNCHANGED);
+  cv::Mat picture = cv::imread(file.string(), cv::IMREAD_UNCHANGED);
   if (picture.empty() || picture.type() != type)
     throw CorruptData(file.string() + ": is missing or damaged; delete the folder recon/frames and reconstruct again");
   return picture;

@@ -51,10 +51,11 @@ class TakeReconstruction {
   void reconstruct_frames();
   Work begin(std::size_t frame);
   void align_to_previous(Work& work);
-  void finish(const Work& work);
+  void finish(Work& work);
   void export_mattes(const capture::FrameSet& set, const FrameViews& views, std::size_t frame) const;
-  void count_finished(std::size_t frame);
-  void export_mesh(std::size_t frame) const;
+  void count_finished();
+  void export_mesh(std::size_t frame, const TriangleMesh& mesh) const;
+  void export_resumed(std::size_t frame);
   std::vector<std::size_t> mapped_frames() const;
   GeometryImage image_or_between(std::size_t frame, const std::vector<std::size_t>& mapped) const;
   void write_video();
@@ -141,7 +142,8 @@ void TakeReconstruction::reconstruct_frames() {
   const auto source = [&](tbb::flow_control& control) -> std::size_t {
     for (; next < end_ && !stop_.stop_requested() && store_->finished(next); ++next) {
       ++report_.resumed;
-      count_finished(next);
+      export_resumed(next);
+      count_finished();
     }
     if (next < end_ && !stop_.stop_requested()) return next++;
     control.stop();
@@ -195,26 +197,41 @@ void TakeReconstruction::align_to_previous(Work& work) {
   previous_ = surface;
 }
 
-void TakeReconstruction::finish(const Work& work) {
+void TakeReconstruction::finish(Work& work) {
   if (work.mapped.surface) {
     const auto image = sample_frame(*work.mapped.surface, work.views, options_.level, options_.colour_level, clock_);
+    if (options_.meshes) {
+      colour_vertices(work.mapped.surface->mesh, work.views, clock_);
+      export_mesh(work.frame, work.mapped.surface->mesh);
+    }
     clock_.run("store", [&] { store_->save(work.frame, *work.mapped.surface, image); });
   } else {
     store_->save_failure(work.frame, work.mapped.failure);
   }
-  count_finished(work.frame);
+  count_finished();
 }
 
-void TakeReconstruction::count_finished(std::size_t frame) {
-  if (options_.meshes && !store_->failure(frame)) export_mesh(frame);
+void TakeReconstruction::count_finished() {
   const std::lock_guard lock(done_mutex_);
   ++done_;
   if (tell_) tell_(done_, end_ - first_);
 }
 
-void TakeReconstruction::export_mesh(std::size_t frame) const {
+void TakeReconstruction::export_mesh(std::size_t frame, const TriangleMesh& mesh) const {
   fs::create_directories(*options_.meshes);
-  write_ply(*options_.meshes / capture::frame_file_name(frame, "ply"), store_->surface(frame).mesh);
+  write_ply(*options_.meshes / capture::frame_file_name(frame, "ply"), mesh);
+}
+
+// What this run is asked to write beside the video, of a frame that an earlier run has finished.
+void TakeReconstruction::export_resumed(std::size_t frame) {
+  if (!options_.meshes && !options_.mattes) return;
+  const auto set = take_.read(frame);
+  const auto views = key_frame(set, studio_.views, given_mattes(take_, frame), clock_);
+  if (options_.mattes) export_mattes(set, views, frame);
+  if (!options_.meshes || store_->failure(frame)) return;
+  auto mesh = store_->surface(frame).mesh;
+  if (mesh.colours.empty()) colour_vertices(mesh, views, clock_);
+  export_mesh(frame, mesh);
 }
 
 std::vector<std::size_t> TakeReconstruction::mapped_frames() const {

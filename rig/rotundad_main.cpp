@@ -23,8 +23,9 @@ struct Options {
 int serve(const rotunda::config::RigConfig& rig, const Options& options, std::stop_token stop) {
   const auto socket =
       options.socket.empty() && rig.api_socket ? *rig.api_socket : rotunda::rig::daemon_socket(options.socket);
+  const rotunda::rig::SocketLock lock(socket);
   rotunda::rig::RigDaemon daemon(rig);
-  const rotunda::rig::RigServer server(daemon, socket);
+  const rotunda::rig::RigServer server(daemon, lock);
   if (!daemon.wait_until_tried(stop)) return rotunda::kDone;
   const auto status = daemon.status();
   const auto streaming = std::count_if(status.cameras.begin(), status.cameras.end(),

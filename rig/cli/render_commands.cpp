@@ -44,7 +44,7 @@ struct RenderArguments {
 fs::path find_video(const CommandLine& line, const std::string& clip) {
   if (fs::is_regular_file(clip)) return clip;
   const auto take = find_take(line, clip);
-  const auto video = recon::geometry_video_of(take);
+  auto video = recon::geometry_video_of(take);
   if (!fs::exists(video))
     throw InvalidInput(
         fmt::format("take {} is not reconstructed yet; first: rotunda recon {}", take.filename().string(), clip));
@@ -179,7 +179,8 @@ int render_view(const CommandLine& line, const RenderArguments& arguments, recon
       else
         capture::write_png(arguments.output, picture);
     });
-    bar.update(static_cast<std::size_t>(frame - first + 1), static_cast<std::size_t>(end - first));
+    bar.update(static_cast<std::size_t>(frame) + 1 - static_cast<std::size_t>(first),
+               static_cast<std::size_t>(end - first));
   }
   if (film && !stop.stop_requested()) film->finish();
   return tell(line, clock, arguments.output, !stop.stop_requested());

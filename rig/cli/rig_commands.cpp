@@ -1,11 +1,16 @@
 // rotunda rig init, cameras, status: what is connected and how it does.
+#include <arpa/inet.h>
 #include <fmt/format.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
 
 #include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "capture/base/unique_fd.h"
 #include "capture/source/source.h"
+#include "capture/sync/action_command.h"
 #include "config/errors.h"
 #include "config/exit_code.h"
 #include "config/rig_config.h"
@@ -25,6 +30,23 @@ void write_new_file(const fs::path& file, const std::string& text) {
   if (!(stream << text)) throw std::system_error(errno, std::generic_category(), "cannot write " + file.string());
 }
 
+// This machine's IPv4 address on the way to a camera; connecting a datagram socket asks for the route, sends nothing.
+std::string interface_towards(const std::string& camera_address) {
+  sockaddr_in camera{};
+  camera.sin_family = AF_INET;
+  camera.sin_port = htons(capture::gvcp_port);
+  if (inet_pton(AF_INET, camera_address.c_str(), &camera.sin_addr) != 1) return "127.0.0.1";
+  const capture::UniqueFd probe(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+  sockaddr_in own{};
+  socklen_t length = sizeof own;
+  if (connect(probe.get(), reinterpret_cast<const sockaddr*>(&camera), sizeof camera) != 0 ||
+      getsockname(probe.get(), reinterpret_cast<sockaddr*>(&own), &length) != 0)
+    return "127.0.0.1";
+  char text[INET_ADDRSTRLEN] = "";
+  inet_ntop(AF_INET, &own.sin_addr, text, sizeof text);
+  return text;
+}
+
 int init_rig(const fs::path& file) {
   const auto found = capture::discover_cameras();
   if (found.empty())
@@ -33,6 +55,7 @@ int init_rig(const fs::path& file) {
                       "this machine (rotunda-sim serves simulated ones)");
   config::RigConfig rig;
   rig.name = file.stem().string();
+  rig.trigger.interface_address = interface_towards(found.front().address);
   for (std::size_t i = 0; i < found.size(); ++i) {
     config::CameraConfig camera;
     camera.name = fmt::format("cam{:02}", i);

@@ -55,7 +55,9 @@ int start_take(const CommandLine& line, const TakeRequest& request, std::stop_to
         request,
         [&](const TakeProgress& progress) {
           if (progress.wanted > 0) bar.update(progress.frame_sets, progress.wanted);
-          return until_closed || progress.complete == 0;
+          // With a camera missing no frame set is complete: then the first there is has to do.
+          const bool begun = progress.complete > 0 || (progress.frame_sets > 0 && !progress.warnings.empty());
+          return until_closed || !begun;
         },
         stop);
   }
@@ -227,24 +229,21 @@ void add_start(CLI::App& take, CommandLine& line) {
 }
 
 void add_import(CLI::App& take, CommandLine& line) {
-  auto* import = take.add_subcommand("import", "makes a take of pictures from elsewhere");
+  auto* app = take.add_subcommand("import", "makes a take of pictures from elsewhere");
   auto options = std::make_shared<capture::TakeImportOptions>();
-  import->add_option("name", options->name, "the new take's name")->required();
-  import->add_option("--images", options->images, "DIR/<camera>/*.png or *.jpg, in the order of their names")
-      ->required();
-  import->add_option("--calibration", options->calibration, "calibration.yaml of these cameras")->required();
-  import->add_option("--fps", options->fps, "frame sets a second")
+  app->add_option("name", options->name, "the new take's name")->required();
+  app->add_option("--images", options->images, "DIR/<camera>/*.png or *.jpg, in the order of their names")->required();
+  app->add_option("--calibration", options->calibration, "calibration.yaml of these cameras")->required();
+  app->add_option("--fps", options->fps, "frame sets a second")
       ->capture_default_str()
       ->check(CLI::Range(0.01, 10000.0));
-  import->add_option("--background", options->background, "DIR/<camera>.png: the empty studio");
-  import->add_option("--mattes", options->mattes, "DIR/<camera>/*.png: given mattes, used instead of the key");
-  import->footer("Example:\n  rotunda take import dance --images shots --calibration calibration.yaml --fps 30");
-  import->callback([&line, options] {
-    line.run = [&line, options](std::stop_token stop) { return import_take(line, *options, std::move(stop));
-};
-}  // namespace
-);
-}  // namespace rotunda::rig
+  app->add_option("--background", options->background, "DIR/<camera>.png: the empty studio");
+  app->add_option("--mattes", options->mattes, "DIR/<camera>/*.png: given mattes, used instead of the key");
+  app->footer("Example:\n  rotunda take import dance --images shots --calibration calibration.yaml --fps 30");
+  app->callback([&line, options] {
+    line.run = [&line, options](std::stop_token stop) { return import_take(line, *options, std::move(stop)); };
+  });
+}
 
 void add_export(CLI::App& take, CommandLine& line) {
   auto folder = std::make_shared<fs::path>();

@@ -7,7 +7,6 @@
 
 #include <atomic>
 
-#include "capture/base/unique_fd.h"
 #include "config/errors.h"
 #include "rig/messages.h"
 
@@ -63,11 +62,10 @@ class RigService final : public v1::Rig::Service {
   std::atomic<bool> ending_ = false;
 };
 
-// gRPC takes a Unix socket over without asking; the lock file beside it says whether its owner still lives.
-capture::UniqueFd lock_socket(const std::filesystem::path& socket) {
-  const auto lock_file = socket.string() + ".lock";
-  capture::UniqueFd lock(open(lock_file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600));
-  if (!lock) throw DeviceError("rotundad", "cannot make " + lock_file + "; name another socket with --socket");
+capture::UniqueFd lock_file(const std::filesystem::path& socket) {
+  const auto file = socket.string() + ".lock";
+  capture::UniqueFd lock(open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600));
+  if (!lock) throw DeviceError("rotundad", "cannot make " + file + "; name another socket with --socket");
   if (flock(lock.get(), LOCK_EX | LOCK_NB) != 0)
     throw DeviceError("rotundad",
                       "another daemon serves " + socket.string() + "; stop it, or give this one its own with --socket");
@@ -76,14 +74,15 @@ capture::UniqueFd lock_socket(const std::filesystem::path& socket) {
 
 }  // namespace
 
+SocketLock::SocketLock(std::filesystem::path socket) : socket_(std::move(socket)), file_(lock_file(socket_)) {}
+
 struct RigServer::Parts {
-  capture::UniqueFd lock;
   RigService service;
   std::unique_ptr<grpc::Server> server;
 };
 
-RigServer::RigServer(RigDaemon& daemon, const std::filesystem::path& socket)
-    : parts_(new Parts{lock_socket(socket), RigService(daemon), nullptr}) {
+RigServer::RigServer(RigDaemon& daemon, const SocketLock& lock) : parts_(new Parts{RigService(daemon), nullptr}) {
+  const auto& socket = lock.socket();
   grpc::ServerBuilder builder;
   builder.AddListeningPort("unix:" + socket.string(), grpc::InsecureServerCredentials());
   builder.RegisterService(&parts_->service);

@@ -26,7 +26,7 @@ constexpr std::size_t kRoomForHoles = 10000;
 
 std::string next_free_name(const std::filesystem::path& takes) {
   for (int number = 1;; ++number) {
-    const auto name = fmt::format("take{:03}", number);
+    auto name = fmt::format("take{:03}", number);
     if (!std::filesystem::exists(takes / name)) return name;
   }
 }
@@ -49,8 +49,8 @@ std::vector<capture::TakeCamera> recorded_cameras(const CameraFleet& fleet) {
 }
 
 std::vector<capture::CameraId> names_of(const std::vector<capture::TakeCamera>& cameras) {
-  std::vector<capture::CameraId> names;
-  for (const auto& camera : cameras) names.push_back(camera.name);
+  std::vector<capture::CameraId> names(cameras.size());
+  std::transform(cameras.begin(), cameras.end(), names.begin(), [](const auto& camera) { return camera.name; });
   return names;
 }
 
