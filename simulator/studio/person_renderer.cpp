@@ -213,6 +213,7 @@ PersonLayer PersonRenderer::draw(const capture::CameraModel& camera, const recon
   glClearColor(0.0F, 0.0F, 0.0F, 0.0F);
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   glEnable(GL_DEPTH_TEST);
+  glDisable(GL_CULL_FACE);  // a renderer that shares the context may have left it on
   glUseProgram(program_.get());
   glUniform3fv(playback::uniform(program_, "wall_glow"), 1, kWallGlow.data());
   glBindTexture(GL_TEXTURE_2D, texture_.get());
