@@ -104,9 +104,10 @@ cv::Mat fit_plate(const cv::Mat& rgb, Backdrop backdrop) {
   cv::Mat plate(rgb.size(), CV_32FC3);
   for (int y = 0; y < rgb.rows; ++y) {
     auto* row = plate.ptr<cv::Vec3f>(y);
+    Eigen::Vector3f next = (coefficients.transpose() * terms_at(0, y, rgb.size())).cast<float>();
     for (int x = 0; x < rgb.cols; x += 8) {
-      const Eigen::Vector3f here = (coefficients.transpose() * terms_at(x, y, rgb.size())).cast<float>();
-      const Eigen::Vector3f next = (coefficients.transpose() * terms_at(x + 8, y, rgb.size())).cast<float>();
+      const Eigen::Vector3f here = next;
+      next = (coefficients.transpose() * terms_at(x + 8, y, rgb.size())).cast<float>();
       for (int k = 0; k < 8 && x + k < rgb.cols; ++k) {
         const Eigen::Vector3f value = here + (next - here) * (static_cast<float>(k) / 8.0F);
         row[x + k] = {value[0], value[1], value[2]};
