@@ -165,6 +165,9 @@ class CameraFileWriter::Muxer {
   void sync() const {
     if (::fdatasync(disk_.fd()) != 0)
       throw std::system_error(errno, std::generic_category(), file_.string() + ": cannot be brought to disk");
+    // What is on disk need not stay in memory: the next second's frames then go into pages that are warm already, and
+    // a long take does not push everything else out of the cache.
+    ::posix_fadvise(disk_.fd(), 0, 0, POSIX_FADV_DONTNEED);
   }
 
   void require_shape(const Image& image) const {
