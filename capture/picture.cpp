@@ -58,7 +58,8 @@ cv::Mat read_grey(const std::filesystem::path& file) {
 }
 
 void write_png(const std::filesystem::path& file, const cv::Mat& picture) {
-  cv::Mat out = picture;
+  cv::Mat out;  // not a share of the caller's pixels: converting in place would swap their red and blue
+  if (picture.channels() == 1) out = picture;
   if (picture.channels() == 3) cv::cvtColor(picture, out, cv::COLOR_RGB2BGR);
   if (picture.channels() == 4) cv::cvtColor(picture, out, cv::COLOR_RGBA2BGRA);
   bool written = false;
