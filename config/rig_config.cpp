@@ -8,6 +8,7 @@
 #include <fstream>
 #include <iterator>
 #include <system_error>
+#include <utility>
 
 #include "config/checked_yaml.h"
 
@@ -220,6 +221,8 @@ RigConfig load_rig(const fs::path& file) {
   rig.file = fs::absolute(file);
   Problems problems;
   read_rig(parse(file), rig, problems);
+  const auto place = [](const ConfigProblem& problem) { return std::pair(problem.line, problem.column); };
+  std::stable_sort(problems.begin(), problems.end(), [&](const auto& a, const auto& b) { return place(a) < place(b); });
   if (!problems.empty()) throw ConfigError(file, std::move(problems));
   const auto beside_rig_file = [&](const fs::path& path) {
     return fs::weakly_canonical(rig.file.parent_path() / path);

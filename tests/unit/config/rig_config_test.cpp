@@ -57,6 +57,14 @@ TEST(LoadRig, TellsEveryMistakeAtOnceWithItsPlace) {
   EXPECT_THAT(text, HasSubstr("volume.min: expected [x, y, z] in metres, found a list"));
 }
 
+TEST(LoadRig, TellsMistakesInTheOrderOfTheFile) {
+  const auto text = mistakes_in("triger: {}\ncameras: [{name: a, address: x, wide: 3}]\nname: [1]\n");
+  const auto first = text.find(":1:1: triger"), second = text.find(":2:"), third = text.find(":3:");
+  ASSERT_NE(third, std::string::npos) << text;
+  EXPECT_LT(first, second) << text;
+  EXPECT_LT(second, third) << text;
+}
+
 TEST(LoadRig, RefusesANameThatWouldLeaveTheTakesFolder) {
   EXPECT_THAT(mistakes_in("cameras: [{name: ../etc, address: 127.0.0.1}]"),
               HasSubstr("cameras[0].name: expected a name"));
