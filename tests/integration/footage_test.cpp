@@ -1,0 +1,212 @@
+// Pictures from elsewhere through import, recon and render; and single meshes through map.
+#include <fmt/format.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include "capture/calibration_file.h"
+#include "capture/picture.h"
+#include "recon/mesh/mesh_file.h"
+#include "simulator/studio/camera_layout.h"
+#include "tests/integration/house_test.h"
+#include "tests/support/ball_scene.h"
+#include "tests/support/closed_shapes.h"
+
+namespace rotunda::tests {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using testing::AllOf;
+using testing::HasSubstr;
+
+constexpr int kCameras = 6, kFrames = 2;
+const Ball kBall{.centre = {0.0, 0.0, 0.9}, .radius = 0.5};
+const cv::Vec3f kBlue(30, 60, 200);
+
+// A ball before a blue screen, as somebody's folder of pictures.
+class Footage : public HouseTest {
+ protected:
+  Footage() : cameras_(simulator::camera_layout({.cameras = kCameras, .width = 180, .height = 144})) {
+    capture::write_calibration(calibration(), cameras_);
+    const auto colour = [](std::size_t, const Eigen::Vector3d& at) {
+      return std::fmod(at.z() * 10.0 + 100.0, 2.0) < 1.0 ? cv::Vec3f(220, 180, 60) : cv::Vec3f(200, 60, 50);
+    };
+    for (const auto& camera : cameras_) {
+      const auto picture = picture_of(camera, std::span(&kBall, 1), kBlue, colour).rgb;
+      for (int frame = 0; frame < kFrames; ++frame) write(camera.name, frame, picture);
+    }
+  }
+
+  fs::path images() const { return folder() / "images"; }
+  fs::path calibration() const { return folder() / "calibration.yaml"; }
+  fs::path picture_file(const std::string& camera, int frame) const {
+    return images() / camera / fmt::format("{:03}.png", frame);
+  }
+  void write(const std::string& camera, int frame, const cv::Mat& picture) {
+    fs::create_directories(images() / camera);
+    capture::write_png(picture_file(camera, frame), picture);
+  }
+  Outcome import(const std::string& name) {
+    return rotunda({"take", "import", name, "--images", images().string(), "--calibration", calibration().string()});
+  }
+  // Coarse, so that it is quick under a sanitizer.
+  Outcome recon(const std::string& take, std::vector<std::string> more = {}) {
+    std::vector<std::string> arguments{"recon", take,          "--quality", "live",  "--cell",
+                                       "30mm",  "--triangles", "2000",      "--json"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return rotunda(arguments);
+  }
+
+  std::vector<capture::CameraModel> cameras_;
+};
+
+TEST_F(Footage, WithAMissingCameraIsRefusedWhole) {
+  fs::remove_all(images() / "cam02");
+  fs::remove(picture_file("cam04", 1));
+  const auto outcome = import("ball");
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_THAT(outcome.err, AllOf(HasSubstr("cam02"), HasSubstr("cam04"), HasSubstr(images().string())));
+  EXPECT_TRUE(contents_of(takes()).empty());
+}
+
+TEST_F(Footage, OfAnotherSizeIsRefusedWhole) {
+  write("cam03", 1, cv::Mat(100, 100, CV_8UC3, cv::Scalar(0, 0, 255)));
+  const auto outcome = import("ball");
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_THAT(outcome.err, AllOf(HasSubstr(picture_file("cam03", 1).string()), HasSubstr("100"), HasSubstr("180")));
+  EXPECT_TRUE(contents_of(takes()).empty());
+}
+
+TEST_F(Footage, DoesNotReplaceATake) {
+  ASSERT_EQ(import("ball").exit_code, 0);
+  const auto before = contents_of(takes());
+  const auto outcome = import("ball");
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_THAT(outcome.err, HasSubstr((takes() / "ball").string() + " exists already"));
+  EXPECT_EQ(contents_of(takes()), before);
+}
+
+TEST_F(Footage, WithACalibrationThatLacksACameraIsNotReconstructed) {
+  ASSERT_EQ(import("ball").exit_code, 0);
+  const auto before = contents_of(takes());
+  auto fewer = cameras_;
+  fewer.erase(fewer.begin() + 2);
+  capture::write_calibration(folder() / "fewer.yaml", fewer);
+  const auto lacking = recon("ball", {"--calibration", (folder() / "fewer.yaml").string()});
+  EXPECT_EQ(lacking.exit_code, 3);
+  EXPECT_THAT(lacking.err, AllOf(HasSubstr("cam02"), HasSubstr("fewer.yaml")));
+  auto other = cameras_;
+  other[4].width += 10;
+  capture::write_calibration(folder() / "other.yaml", other);
+  const auto of_other_size = recon("ball", {"--calibration", (folder() / "other.yaml").string()});
+  EXPECT_EQ(of_other_size.exit_code, 3);
+  EXPECT_THAT(of_other_size.err,
+              AllOf(HasSubstr("cam04"), HasSubstr("180"), HasSubstr("190"), HasSubstr("other.yaml")));
+  EXPECT_EQ(contents_of(takes()), before);
+}
+
+TEST_F(Footage, WithAnEmptySilhouetteFailsThatFrameByName) {
+  write("cam01", 1, cv::Mat(144, 180, CV_8UC3, cv::Scalar(kBlue[0], kBlue[1], kBlue[2])));
+  ASSERT_EQ(import("ball").exit_code, 0);
+  const auto outcome = recon("ball");
+  EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
+  const auto report = json::parse(outcome.out);
+  EXPECT_EQ(report["mapped"], 1) << outcome.out;
+  ASSERT_EQ(report["failed"].size(), 1u) << outcome.out;
+  EXPECT_EQ(report["failed"][0]["frame"], 1);
+  EXPECT_THAT(report["failed"][0]["reason"], AllOf(HasSubstr("cam01"), HasSubstr("empty")));
+
+  const auto only_that = recon("ball", {"--frames", "1:2"});
+  EXPECT_EQ(only_that.exit_code, 3);
+  EXPECT_THAT(only_that.err, HasSubstr("cam01"));
+}
+
+double overlap(const cv::Mat& a, const cv::Mat& b) {
+  return static_cast<double>(cv::countNonZero(a & b)) / cv::countNonZero(a | b);
+}
+
+TEST_F(Footage, ComesBackInTheCamerasOwnViews) {
+  ASSERT_EQ(import("ball").exit_code, 0);
+  const auto meshes = folder() / "meshes", mattes = folder() / "mattes";
+  const auto outcome = recon("ball", {"--meshes", meshes.string(), "--mattes", mattes.string()});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.out << outcome.err;
+  EXPECT_EQ(json::parse(outcome.out)["mapped"], kFrames);
+  for (int frame = 0; frame < kFrames; ++frame)
+    EXPECT_GT(recon::read_ply(meshes / fmt::format("frame{:06}.ply", frame)).triangles.size(), 500u);
+  for (const auto* camera : {"cam00", "cam05"}) {
+    const auto picture = folder() / (std::string(camera) + ".png");
+    const auto rendered = rotunda(
+        {"render", "ball", "--view", calibration().string() + ":" + camera, "--frame", "1", "-o", picture.string()});
+    ASSERT_EQ(rendered.exit_code, 0) << rendered.err;
+    const cv::Mat drawn = cv::imread(picture.string(), cv::IMREAD_UNCHANGED);
+    ASSERT_EQ(drawn.size(), cv::Size(180, 144));
+    ASSERT_EQ(drawn.channels(), 4);
+    cv::Mat alpha;
+    cv::extractChannel(drawn, alpha, 3);
+    const cv::Mat matte = capture::read_grey(mattes / camera / "frame000001.png");
+    EXPECT_GE(overlap(alpha >= 128, matte >= 128), 0.9) << camera;  // cells of 30 mm on a ball of 1 m
+  }
+}
+
+TEST_F(Footage, IsReconstructedFurtherAfterCtrlC) {
+  for (int frame = kFrames; frame < 24; ++frame)
+    for (const auto& camera : cameras_) fs::copy_file(picture_file(camera.name, 0), picture_file(camera.name, frame));
+  ASSERT_EQ(import("ball").exit_code, 0);
+  const std::vector<std::string> arguments{"--takes", takes().string(), "recon",       "ball", "--quality", "live",
+                                           "--cell",  "30mm",           "--triangles", "2000", "--jobs",    "1"};
+  const auto first = start("rotunda", arguments);
+  const auto frames = takes() / "ball" / "recon" / "frames";
+  while (first->running() && (!fs::exists(frames) || fs::is_empty(frames))) usleep(10'000);
+  first->send(SIGINT);
+  EXPECT_EQ(first->wait(), 1) << first->err();
+  EXPECT_THAT(first->err(), HasSubstr("goes on where it stopped"));
+  EXPECT_FALSE(fs::exists(takes() / "ball" / "recon" / "geometry.mkv"));
+  const auto second = recon("ball");
+  EXPECT_EQ(second.exit_code, 0) << second.err;
+  const auto report = json::parse(second.out);
+  EXPECT_EQ(report["mapped"], 24);
+  EXPECT_GE(report["resumed"], 1);
+  EXPECT_LT(report["resumed"], 24);
+}
+
+class Map : public HouseTest {};
+
+TEST_F(Map, TakesAClosedMeshToTheSphereAndBack) {
+  const auto file = folder() / "ball.ply", remesh = folder() / "remesh.ply", image = folder() / "image.png";
+  recon::write_ply(file, icosphere(3));
+  const auto outcome =
+      rotunda({"map", file.string(), "--level", "5", "--remesh", remesh.string(), "-o", image.string(), "--json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(json::parse(outcome.out)["flips"], 0);
+  for (const auto& position : recon::read_ply(remesh).positions)
+    EXPECT_NEAR(position.norm(), 1.0f, 0.01f);  // flat triangles of 8 degrees lie 0.002 inside
+  EXPECT_EQ(capture::read_rgb(image).size(), cv::Size(33, 33));
+}
+
+TEST_F(Map, SaysWhyAnOpenMeshOrAnotherFileCannotBeMapped) {
+  auto open = icosphere(2);
+  open.triangles.pop_back();
+  const auto file = folder() / "open.ply";
+  recon::write_ply(file, open);
+  const auto of_open = rotunda({"map", file.string(), "--remesh", (folder() / "remesh.ply").string()});
+  EXPECT_EQ(of_open.exit_code, 3);
+  EXPECT_THAT(of_open.err, AllOf(HasSubstr(file.string()), HasSubstr("closed")));
+  EXPECT_FALSE(fs::exists(folder() / "remesh.ply"));
+
+  const auto text = folder() / "notes.txt";
+  std::ofstream(text) << "not a mesh\n";
+  const auto of_text = rotunda({"map", text.string()});
+  EXPECT_EQ(of_text.exit_code, 3);
+  EXPECT_THAT(of_text.err, HasSubstr(text.string()));
+  EXPECT_EQ(text_of(text), "not a mesh\n");
+  const auto of_none = rotunda({"map", (folder() / "none.ply").string()});
+  EXPECT_THAT(of_none.err, HasSubstr((folder() / "none.ply").string()));
+  EXPECT_THAT(of_none.exit_code, testing::AnyOf(3, 4));
+}
+
+}  // namespace
+}  // namespace rotunda::tests
