@@ -89,8 +89,9 @@ TEST_F(DaemonRefusal, OfASecondControllerLeavesTheFirstAlone) {
       "rotundad", {"--rig", rig.string(), "--takes", (folder() / "other").string(), "--socket", other_socket.string()});
   ASSERT_TRUE(second->wait_for(" ready: 0 of 2")) << second->err();
   const auto seen = run("rotunda", {"--daemon", other_socket.string(), "status", "--json"});
-  const auto status = nlohmann::json::parse(seen.out);
-  for (const auto& camera : status["cameras"])
+  const auto cameras = nlohmann::json::parse(seen.out)["cameras"];
+  ASSERT_EQ(cameras.size(), 2u);
+  for (const auto& camera : cameras)
     EXPECT_THAT(camera["problem"],
                 AllOf(HasSubstr(camera["name"].get<std::string>()), HasSubstr("controlled by another program")));
   EXPECT_EQ(rotunda({"take", "start", "mine", "--frames", "3"}).exit_code, 0);
