@@ -147,7 +147,10 @@ void add_recon_commands(CommandLine& line) {
       ->capture_default_str();
   recon->add_flag("--paper", options.paper, "also write the paper's 24-bit geometry.avi");
   recon->add_option("--cell", options.cell_size, "edge of a hull cell (10mm where the unit is metres)")
-      ->transform(metres());
+      ->transform(metres())
+      ->check([](const std::string& length) {
+        return std::stod(length) > 0.0 ? std::string() : "a cell's edge is longer than nothing, as 10mm";
+      });
   recon->add_option("--triangles", options.triangles, "of the surface before mapping")
       ->check(CLI::Range(500, 200000))
       ->capture_default_str();

@@ -29,6 +29,14 @@ TEST_F(CommandRefusal, OfAMistypedCommandKnowsItsNeighbour) {
   EXPECT_THAT(no_option.err, HasSubstr("--colour"));
 }
 
+TEST_F(CommandRefusal, OfCellsWithoutAnEdge) {
+  for (const auto* cell : {"0", "-3mm"}) {
+    const auto outcome = rotunda({"recon", "none", "--cell", cell});
+    EXPECT_EQ(outcome.exit_code, 2) << cell;
+    EXPECT_THAT(outcome.err, AllOf(HasSubstr("--cell"), HasSubstr("10mm")));
+  }
+}
+
 TEST_F(CommandRefusal, WithoutADaemonSaysHowToStartOne) {
   const std::vector<std::vector<std::string>> commands{
       {"status"}, {"take", "start", "t", "--frames", "1"}, {"take", "stop"}};
