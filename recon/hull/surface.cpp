@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <ctime>
+#include <vector>
 
 #include "config/errors.h"
 #include "recon/hull/capture_volume.h"
@@ -19,11 +21,44 @@ double cpu_seconds() {
   return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
 }
 
-std::string empty_silhouettes(std::span<const capture::CameraModel> cameras, std::span<const capture::Matte> mattes) {
+// Cameras with a silhouette, and those in whose picture nobody was found.
+struct SortedViews {
+  std::vector<SilhouetteView> with_silhouette;
+  std::vector<capture::CameraModel> empty;
+};
+
+SortedViews sort_views(std::span<const capture::CameraModel> cameras, std::span<const capture::Matte> mattes) {
+  SortedViews sorted;
+  auto views = silhouette_views(cameras, mattes);
+  for (std::size_t i = 0; i < views.size(); ++i)
+    if (is_empty(mattes[i]))
+      sorted.empty.push_back(cameras[i]);
+    else
+      sorted.with_silhouette.push_back(std::move(views[i]));
+  return sorted;
+}
+
+std::string names_of(std::span<const capture::CameraModel> cameras) {
   std::string names;
-  for (std::size_t i = 0; i < cameras.size(); ++i)
-    if (is_empty(mattes[i])) names += (names.empty() ? "" : ", ") + cameras[i].name;
+  for (const auto& camera : cameras) names += (names.empty() ? "" : ", ") + camera.name;
   return names;
+}
+
+bool in_picture(const capture::CameraModel& camera, const Eigen::Vector3f& point) {
+  const auto pixel = capture::project(camera, point.cast<double>());
+  return pixel && pixel->x() >= -0.5 && pixel->y() >= -0.5 && pixel->x() <= camera.width - 0.5 &&
+         pixel->y() <= camera.height - 0.5;
+}
+
+// Of the cameras with an empty silhouette those that have the surface in their picture: their key failed, while the
+// others are right that nobody is there.
+std::vector<capture::CameraModel> watching(std::vector<capture::CameraModel> cameras, const TriangleMesh& mesh) {
+  const auto misses_all = [&](const capture::CameraModel& camera) {
+    return std::none_of(mesh.positions.begin(), mesh.positions.end(),
+                        [&](const Eigen::Vector3f& point) { return in_picture(camera, point); });
+  };
+  cameras.erase(std::remove_if(cameras.begin(), cameras.end(), misses_all), cameras.end());
+  return cameras;
 }
 
 SurfaceResult failed(SurfaceResult result, const std::string& why) {
@@ -40,6 +75,12 @@ std::string settle_volume(std::span<const SilhouetteView> views, const SurfaceOp
     return nothing.what();
   }
   report.cell_size = options.cell_size > 0.0 ? options.cell_size : default_cell_size(report.bounds, options.unit);
+  const Eigen::Vector3d sides = report.bounds.sizes();
+  if (report.cell_size >= sides.minCoeff())
+    return fmt::format(
+        "cells of {:.4g} do not fit into the volume, {:.4g} x {:.4g} x {:.4g}: give them in the "
+        "calibration's unit",
+        report.cell_size, sides.x(), sides.y(), sides.z());
   return {};
 }
 
@@ -56,9 +97,8 @@ SurfaceResult reconstruct_surface(std::span<const capture::CameraModel> cameras,
                                   const SurfaceOptions& options) {
   const double start = cpu_seconds();
   SurfaceResult result;
-  const auto views = silhouette_views(cameras, mattes);
-  if (const auto empty = empty_silhouettes(cameras, mattes); !empty.empty())
-    return failed(std::move(result), "empty silhouette in " + empty);
+  const auto [views, empty] = sort_views(cameras, mattes);
+  if (views.size() < 2) return failed(std::move(result), "empty silhouette in " + names_of(empty));
   if (const auto problem = settle_volume(views, options, result.report); !problem.empty())
     return failed(std::move(result), problem);
   auto& report = result.report;
@@ -68,6 +108,8 @@ SurfaceResult reconstruct_surface(std::span<const capture::CameraModel> cameras,
   if (report.cut.solid_voxels == 0)
     return failed(std::move(result), "empty hull: no point of the volume lies inside all silhouettes");
   result.mesh = marching_cubes(grid);
+  if (const auto failed_key = watching(empty, result.mesh); !failed_key.empty())
+    return failed(std::move(result), "empty silhouette in " + names_of(failed_key));
   report.extracted_triangles = result.mesh.triangles.size();
   finish(result.mesh, options, report.cell_size);
   report.triangles = result.mesh.triangles.size();

@@ -40,8 +40,10 @@ struct SurfaceResult {
   std::string failure;  // empty if fine; e.g. "empty silhouette in cam03"
 };
 
-// What can happen to a frame (an empty silhouette, an empty hull) is the result's `failure`. Throws InvalidInput for
-// the caller's mistakes: spans of unequal size, fewer than two views, a matte of another size than its camera.
+// A camera with an empty silhouette takes no part if the surface of the others lies wholly outside of its picture; if
+// it has any of it in view, its key failed. What can happen to a frame (that, an empty hull) is the result's `failure`.
+// Throws InvalidInput for the caller's mistakes: spans of unequal size, fewer than two views, a matte of another size
+// than its camera.
 SurfaceResult reconstruct_surface(std::span<const capture::CameraModel> cameras, std::span<const capture::Matte> mattes,
                                   const SurfaceOptions& options = {});
 

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "config/errors.h"
 #include "simulator/studio/camera_layout.h"
 #include "tests/support/capsule_body.h"
@@ -20,6 +22,11 @@ std::vector<capture::CameraModel> small_rig() {
 const std::vector<capture::Matte>& person_mattes() {
   static const auto mattes = tests::mattes_of(tests::person(), small_rig());
   return mattes;
+}
+
+// In pixels of its own: zeros assigned to a matte's alpha would land in what all copies of person_mattes() share.
+capture::Matte nobody() {
+  return {cv::Mat(128, 160, CV_8UC1, cv::Scalar(0))};
 }
 
 SurfaceOptions stage() {
@@ -72,10 +79,38 @@ TEST(Surface, FindsTheVolumeItself) {
 TEST(Surface, NamesTheCameraWithAnEmptySilhouette) {
   const auto cameras = small_rig();
   auto mattes = person_mattes();
-  mattes[3].alpha = cv::Mat::zeros(mattes[3].alpha.size(), CV_8UC1);
+  mattes[3] = nobody();
   const auto result = reconstruct_surface(cameras, mattes, stage());
   EXPECT_EQ(result.failure, "empty silhouette in cam03");
   EXPECT_TRUE(result.mesh.triangles.empty());
+}
+
+TEST(Surface, NeedsNothingOfACameraThatLooksElsewhere) {
+  auto cameras = small_rig();
+  auto mattes = person_mattes();
+  const auto alone = reconstruct_surface(cameras, mattes, stage());
+  cameras.push_back(simulator::look_at({3.6, 0.0, 1.3}, {9.0, 0.0, 1.3}, 160, 128, 200.0, 200.0));
+  cameras.back().name = "away";
+  mattes.push_back(nobody());
+  const auto result = reconstruct_surface(cameras, mattes, stage());
+  ASSERT_EQ(result.failure, "");
+  EXPECT_EQ(result.mesh.positions, alone.mesh.positions);
+}
+
+TEST(Surface, NamesAllCamerasWhereTooFewSeeAnybody) {
+  const std::vector<capture::CameraModel> cameras = small_rig();
+  auto mattes = person_mattes();
+  std::fill(mattes.begin() + 1, mattes.end(), nobody());
+  const auto result = reconstruct_surface(cameras, mattes, stage());
+  EXPECT_EQ(result.failure.find("empty silhouette in cam01, cam02"), 0U) << result.failure;
+}
+
+TEST(Surface, TellsOfCellsThatDoNotFitIntoTheVolume) {
+  auto options = stage();
+  options.cell_size = 20.0;  // millimetres meant, in a world of metres
+  const auto result = reconstruct_surface(small_rig(), person_mattes(), options);
+  EXPECT_NE(result.failure.find("cells of 20 do not fit into the volume, 3 x 2 x 2"), std::string::npos)
+      << result.failure;
 }
 
 TEST(Surface, TellsOfAnEmptyHull) {
