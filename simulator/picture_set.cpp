@@ -6,10 +6,10 @@
 
 namespace rotunda::simulator {
 
-void write_picture_set(const std::filesystem::path& directory, SceneRenderer& studio, Act act, int frames,
+void write_picture_set(const std::filesystem::path& directory, SceneRenderer& studio, int frames,
                        const std::function<void(int)>& progress) {
   const auto& cameras = studio.cameras();
-  const TruthFiles truth(directory / "truth", studio, act, frames);
+  const TruthFiles truth(directory / "truth", studio, frames);
   std::filesystem::create_directories(directory / "background");
   for (std::size_t camera = 0; camera < cameras.size(); ++camera) {
     std::filesystem::create_directories(directory / "images" / cameras[camera].name);
@@ -17,8 +17,7 @@ void write_picture_set(const std::filesystem::path& directory, SceneRenderer& st
   }
   capture::write_calibration(directory / "calibration.yaml", cameras);
   for (int frame = 0; frame < frames; ++frame) {
-    const Pose pose = pose_at(studio.person().skeleton, act, frame * kActStep);
-    const auto pictures = studio.pictures(pose, static_cast<std::uint64_t>(frame));
+    const auto pictures = studio.pictures(act_seconds(frame), static_cast<std::uint64_t>(frame));
     for (std::size_t camera = 0; camera < cameras.size(); ++camera)
       capture::write_png(directory / "images" / cameras[camera].name / (frame_name(frame) + ".png"),
                          pictures[camera].rgb);

@@ -9,7 +9,7 @@
 namespace rotunda::simulator {
 
 // RGB as the sensor has it before the mosaic. `progress` is told the number of frames done. Throws std::system_error.
-void write_picture_set(const std::filesystem::path& directory, SceneRenderer& studio, Act act, int frames,
+void write_picture_set(const std::filesystem::path& directory, SceneRenderer& studio, int frames,
                        const std::function<void(int)>& progress = {});
 
 }  // namespace rotunda::simulator

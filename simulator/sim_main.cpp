@@ -12,6 +12,7 @@
 #include "config/errors.h"
 #include "config/exit_code.h"
 #include "simulator/gige/gige_studio.h"
+#include "simulator/people/person.h"
 #include "simulator/picture_set.h"
 #include "simulator/served_studio.h"
 #include "simulator/studio/camera_layout.h"
@@ -66,13 +67,13 @@ ServedStudio studio_for(const ServeOptions& options) {
 }
 
 FrameCache render_ahead(const ServedStudio& served, const std::string& truth_directory) {
-  const Act act = act_from(served.act);
-  SceneRenderer studio(make_person(served.person), served.cameras, {.seed = served.seed});
+  const auto performance = make_performance({.person = served.person, .act = served.act, .seed = served.seed});
+  SceneRenderer studio(*performance, served.cameras, {.seed = served.seed});
   std::optional<TruthFiles> truth;
-  if (!truth_directory.empty()) truth.emplace(truth_directory, studio, act, act_frames(act));
-  return FrameCache(studio, act, served.devices.front().format, [&](int frame, const auto& pictures) {
+  if (!truth_directory.empty()) truth.emplace(truth_directory, studio, performance->frames());
+  return FrameCache(studio, served.devices.front().format, [&](int frame, const auto& pictures) {
     if (truth) truth->write_frame(frame, pictures);
-    tell_progress("rendering ahead", frame + 1, act_frames(act));
+    tell_progress("rendering ahead", frame + 1, performance->frames());
   });
 }
 
@@ -146,10 +147,10 @@ std::vector<capture::CameraModel> cameras_of(RenderOptions options) {
 }
 
 int render(const RenderOptions& options) {
-  const Act act = act_from(options.act);
   auto cameras = cameras_of(options);
-  SceneRenderer studio(make_person(options.person), std::move(cameras));
-  write_picture_set(options.output, studio, act, options.frames,
+  const auto performance = make_performance({.person = options.person, .act = options.act});
+  SceneRenderer studio(*performance, std::move(cameras));
+  write_picture_set(options.output, studio, options.frames,
                     [&](int done) { tell_progress("frames written", done, options.frames); });
   return kDone;
 }

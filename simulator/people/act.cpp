@@ -18,15 +18,6 @@ using Eigen::AngleAxisd;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-// To add an act: a row here and a case in pose_at.
-struct ActRow {
-  Act act;
-  std::string_view name;
-  int frames;
-};
-constexpr std::array<ActRow, 3> kActs = {
-    {{Act::walk, "walk", 26}, {Act::idle, "idle", 100}, {Act::a_pose, "a-pose", 1}}};
-
 constexpr double degrees(double angle) {
   return angle * std::numbers::pi / 180.0;
 }
@@ -51,42 +42,37 @@ Pose idle_pose(const Skeleton& skeleton, double seconds) {
   return pose;
 }
 
-const ActRow& row_of(Act act) {
-  return kActs[static_cast<std::size_t>(act)];
+Motion walk(const Skeleton& skeleton, const MotionOptions&) {
+  return {"walk", 26, true, heel_strikes(), [skeleton](double seconds) { return gait_pose(skeleton, seconds); }};
 }
+
+Motion idle(const Skeleton& skeleton, const MotionOptions&) {
+  return {"idle", 100, true, {}, [skeleton](double seconds) { return idle_pose(skeleton, seconds); }};
+}
+
+Motion a_pose(const Skeleton& skeleton, const MotionOptions&) {
+  return {"a-pose", 1, true, {}, [skeleton](double) { return bind_pose(skeleton); }};
+}
+
+// To add an act: a row here and the function that makes its motion.
+struct ActRow {
+  std::string_view name;
+  Motion (*motion)(const Skeleton&, const MotionOptions&);
+};
+constexpr std::array<ActRow, 3> kActs = {{{"walk", walk}, {"idle", idle}, {"a-pose", a_pose}}};
 
 }  // namespace
 
-Act act_from(std::string_view name) {
+Motion motion_of(std::string_view act, const Skeleton& skeleton, const MotionOptions& options) {
   for (const auto& row : kActs)
-    if (row.name == name) return row.act;
-  throw InvalidInput(fmt::format("there is no act '{}'; the simulator knows: {}", name, fmt::join(act_names(), ", ")));
+    if (row.name == act) return row.motion(skeleton, options);
+  throw InvalidInput(fmt::format("there is no act '{}'; the simulator knows: {}", act, fmt::join(act_names(), ", ")));
 }
 
 std::vector<std::string> act_names() {
   std::vector<std::string> names;
   for (const auto& row : kActs) names.emplace_back(row.name);
   return names;
-}
-
-int act_frames(Act act) {
-  return row_of(act).frames;
-}
-
-std::vector<HeelStrike> heel_strikes(Act act) {
-  return act == Act::walk ? heel_strikes(GaitOptions{}) : std::vector<HeelStrike>{};
-}
-
-Pose pose_at(const Skeleton& skeleton, Act act, double seconds) {
-  switch (act) {
-    case Act::walk:
-      return gait_pose(skeleton, seconds);
-    case Act::idle:
-      return idle_pose(skeleton, seconds);
-    case Act::a_pose:
-      break;
-  }
-  return bind_pose(skeleton);
 }
 
 }  // namespace rotunda::simulator

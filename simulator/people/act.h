@@ -1,5 +1,7 @@
 #pragma once
-// What a person does. An act is periodic on the 40 ms grid of the simulated studio, so that it can be rendered ahead.
+// What a person does: a pose for every moment, on the 40 ms grid of the simulated studio, so that it can be rendered
+// ahead. World: metres, z up, the stage's middle at the origin; the person starts facing +x.
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -10,16 +12,21 @@ namespace rotunda::simulator {
 
 inline constexpr double kActStep = 0.040;  // seconds between act frames
 
-enum class Act { walk, idle, a_pose };
+struct Motion {
+  std::string name;
+  int frames = 1;          // act frames until it starts again
+  bool is_cyclic = false;  // frame `frames` would be frame 0: it repeats without a jump
+  std::vector<HeelStrike> heel_strikes;
+  std::function<Pose(double seconds)> pose_at;  // seconds in [0, frames * kActStep]; thread-safe
+};
 
-// "walk", "idle", "a-pose"; throws InvalidInput with the known names for another.
-Act act_from(std::string_view name);
+struct MotionOptions {
+  bool travel = false;  // walks through the volume instead of on the spot
+  std::uint32_t seed = 1;
+};
+
+// One of act_names(); throws InvalidInput with the known names for another.
+Motion motion_of(std::string_view act, const Skeleton& skeleton, const MotionOptions& options = {});
 std::vector<std::string> act_names();
-
-int act_frames(Act act);  // act frames until it repeats, at least 1
-std::vector<HeelStrike> heel_strikes(Act act);
-
-// World pose at a time (any; the act repeats), the person at the origin facing +x.
-Pose pose_at(const Skeleton& skeleton, Act act, double seconds);
 
 }  // namespace rotunda::simulator

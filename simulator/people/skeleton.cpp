@@ -13,6 +13,11 @@ constexpr std::array<Joint, kJoints> kParents = {
     Joint::pelvis,        Joint::thigh_right,    Joint::shank_right,  Joint::foot_right,
 };
 
+constexpr std::array<std::string_view, kJoints> kNames = {
+    "pelvis",    "spine",           "chest",         "neck",       "head",       "upper_arm_left", "forearm_left",
+    "hand_left", "upper_arm_right", "forearm_right", "hand_right", "thigh_left", "shank_left",     "foot_left",
+    "toes_left", "thigh_right",     "shank_right",   "foot_right", "toes_right"};
+
 void place_leg(Skeleton& skeleton, Side side, double h) {
   const double s = sign_of(side);
   const Eigen::Vector3d down(0.0, s * std::sin(skeleton.leg_angle), -std::cos(skeleton.leg_angle));
@@ -36,6 +41,10 @@ void place_arm(Skeleton& skeleton, Side side, double h) {
 }
 
 }  // namespace
+
+std::string_view to_string(Joint joint) {
+  return kNames[index(joint)];
+}
 
 Joint parent_of(Joint joint) {
   return kParents[index(joint)];

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <string_view>
 
 namespace rotunda::simulator {
 
@@ -33,6 +34,7 @@ inline constexpr std::size_t kJoints = 19;
 constexpr std::size_t index(Joint joint) {
   return static_cast<std::size_t>(joint);
 }
+std::string_view to_string(Joint joint);
 Joint parent_of(Joint joint);  // the pelvis is its own parent
 
 enum class Side { left, right };

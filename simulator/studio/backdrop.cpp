@@ -77,9 +77,9 @@ constexpr std::array<Layer, 3> kLayers = {{{0.06, 0.015, 1.5}, {0.55, 0.07, 0.8}
 constexpr double kCell = 0.0125;
 constexpr int kCells = 288;  // 3.6 m
 
-std::array<cv::Mat, kLayers.size()> cover_of(const recon::TriangleMesh& body, const ContactShadow& grid) {
-  std::array<cv::Mat, kLayers.size()> cover;
-  for (auto& layer : cover) layer = cv::Mat(kCells, kCells, CV_32FC1, cv::Scalar(0));
+using Cover = std::array<cv::Mat, kLayers.size()>;
+
+void add_cover(const recon::TriangleMesh& body, const ContactShadow& grid, Cover& cover) {
   for (const auto& t : body.triangles) {
     const Eigen::Vector3f a = body.positions[t[0]], b = body.positions[t[1]], c = body.positions[t[2]];
     const Eigen::Vector3f middle = (a + b + c) / 3.0F;
@@ -90,6 +90,12 @@ std::array<cv::Mat, kLayers.size()> cover_of(const recon::TriangleMesh& body, co
     while (middle.z() > kLayers[layer].below && layer + 1 < kLayers.size()) ++layer;
     cover[layer].at<float>(row, column) += area / static_cast<float>(kCell * kCell);
   }
+}
+
+Cover cover_of(const std::vector<recon::TriangleMesh>& surfaces, const ContactShadow& grid) {
+  Cover cover;
+  for (auto& layer : cover) layer = cv::Mat(kCells, kCells, CV_32FC1, cv::Scalar(0));
+  for (const auto& surface : surfaces) add_cover(surface, grid, cover);
   return cover;
 }
 
@@ -116,15 +122,16 @@ float ContactShadow::at(float x, float y) const {
   return (1.0F - v) * ((1.0F - u) * upper[0] + u * upper[1]) + v * ((1.0F - u) * lower[0] + u * lower[1]);
 }
 
-ContactShadow contact_shadow(const recon::TriangleMesh& body) {
+ContactShadow contact_shadow(const std::vector<recon::TriangleMesh>& surfaces) {
   Eigen::Vector3f middle = Eigen::Vector3f::Zero();
-  for (const auto& p : body.positions) middle += p / static_cast<float>(body.positions.size());
+  const auto& performer = surfaces.front();
+  for (const auto& p : performer.positions) middle += p / static_cast<float>(performer.positions.size());
   ContactShadow shadow;
   shadow.cell = kCell;
   shadow.from_x = static_cast<double>(middle.x()) - 0.5 * kCell * kCells;
   shadow.from_y = static_cast<double>(middle.y()) - 0.5 * kCell * kCells;
   cv::Mat depth(kCells, kCells, CV_32FC1, cv::Scalar(0)), blurred;
-  const auto cover = cover_of(body, shadow);
+  const auto cover = cover_of(surfaces, shadow);
   for (std::size_t i = 0; i < cover.size(); ++i) {
     cv::GaussianBlur(cover[i], blurred, {}, kLayers[i].spread / kCell, 0, cv::BORDER_CONSTANT);
     depth += kLayers[i].strength * cv::min(blurred, 1.2);

@@ -1,6 +1,7 @@
 #pragma once
 // The empty studio: a floor and a round wall that run into each other, painted blue, unevenly lit. World frame, metres.
 #include <opencv2/core.hpp>
+#include <vector>
 
 #include "capture/camera_model.h"
 #include "recon/mesh/triangle_mesh.h"
@@ -19,7 +20,7 @@ struct ContactShadow {
   double from_x = 0.0, from_y = 0.0, cell = 0.0;  // metres: the middle of the first sample; sample spacing
   float at(float x, float y) const;               // bilinear; 1 outside
 };
-ContactShadow contact_shadow(const recon::TriangleMesh& body);
+ContactShadow contact_shadow(const std::vector<recon::TriangleMesh>& surfaces);
 
 // Backdrop with the shadow on it, in `picture` (a copy of backdrop.linear); shadow on blue paint is bluer.
 void lay_shadow(const Backdrop& backdrop, const ContactShadow& shadow, cv::Mat& picture);

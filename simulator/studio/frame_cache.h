@@ -6,18 +6,11 @@
 #include <vector>
 
 #include "capture/frame.h"
-#include "simulator/people/act.h"
 
 namespace rotunda::simulator {
 
 class SceneRenderer;
 struct ScenePicture;
-
-// Which frame of the act an exposure that starts then shows: round(t / 40 ms) modulo the act's frames.
-int act_frame_at(capture::Timestamp exposure_start, Act act);
-
-// The same as the act's own time, seconds from its start: what pose_at wants.
-double act_seconds(capture::Timestamp exposure_start, Act act);
 
 class FrameCache {
  public:
@@ -25,14 +18,13 @@ class FrameCache {
   using OnFrame = std::function<void(int act_frame, const std::vector<ScenePicture>& pictures)>;
 
   // Renders all frames now, on the calling thread (which must own the renderer).
-  FrameCache(SceneRenderer& studio, Act act, capture::PixelFormat format, const OnFrame& on_frame = {});
+  FrameCache(SceneRenderer& studio, capture::PixelFormat format, const OnFrame& on_frame = {});
 
   // As the camera sends it; valid as long as the cache. May be called from any thread.
   std::span<const std::uint8_t> picture_at(std::size_t camera, capture::Timestamp exposure_start) const;
   std::span<const std::uint8_t> picture(std::size_t camera, int act_frame) const;
 
  private:
-  Act act_;
   std::vector<std::vector<std::vector<std::uint8_t>>> pictures_;  // [act frame][camera]
 };
 

@@ -4,16 +4,15 @@
 #include <filesystem>
 
 #include "capture/frame.h"
-#include "simulator/people/act.h"
-#include "simulator/people/person.h"
+#include "simulator/people/performance.h"
 
 namespace rotunda::simulator {
 
 class SceneRenderer;
 struct ScenePicture;
 
-// The surface in front of the cameras in an exposure that starts then: world, metres, normals, colours.
-recon::TriangleMesh truth_mesh(const Person& person, Act act, capture::Timestamp exposure_start);
+// The performer's surface in an exposure that starts then: world, metres, normals, colours.
+recon::TriangleMesh truth_mesh(const Performance& performance, capture::Timestamp exposure_start);
 
 // Writes what is true of an act as files for tests and benchmarks:
 //   DIR/meshes/frame000000.ply, DIR/mattes/<camera>/frame000000.png (8-bit cover): number = act frame
@@ -22,13 +21,12 @@ recon::TriangleMesh truth_mesh(const Person& person, Act act, capture::Timestamp
 // All throw std::system_error if a file cannot be written.
 class TruthFiles {
  public:
-  TruthFiles(std::filesystem::path directory, const SceneRenderer& studio, Act act, int frames);
+  TruthFiles(std::filesystem::path directory, const SceneRenderer& studio, int frames);
   void write_frame(int frame, const std::vector<ScenePicture>& pictures) const;  // of all cameras
 
  private:
   std::filesystem::path directory_;
   const SceneRenderer& studio_;
-  Act act_;
 };
 
 // "frame000042".

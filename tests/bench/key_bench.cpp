@@ -16,6 +16,7 @@
 #include "capture/picture.h"
 #include "recon/colour/surface_colour.h"
 #include "recon/hull/signed_silhouette.h"
+#include "simulator/people/person.h"
 #include "simulator/studio/camera_layout.h"
 #include "simulator/studio/pixel_encoding.h"
 #include "simulator/studio/scene_renderer.h"
@@ -115,10 +116,10 @@ void print(const std::string& name, const Totals& totals) {
              name, mean.overlap, worst_overlap, mean.edge, mean.p95, mean.bias, worst_bias, 1e3 * totals.cpu / count);
 }
 
-void colours(simulator::SceneRenderer& studio, const simulator::Pose& pose) {
-  const auto mesh = simulator::posed_mesh(studio.person(), pose);
+void colours(simulator::SceneRenderer& studio) {
+  const auto mesh = studio.performance().surfaces_at(0.0).front();
   std::vector<recon::ColourView> views;
-  const auto pictures = studio.pictures(pose, 7);
+  const auto pictures = studio.pictures(0.0, 7);
   for (std::size_t i = 0; i < pictures.size(); ++i)
     views.push_back({studio.cameras()[i], as_sent(pictures[i].rgb), {pictures[i].matte}});
   const double start = cpu_seconds();
@@ -134,11 +135,11 @@ void colours(simulator::SceneRenderer& studio, const simulator::Pose& pose) {
 
 int main(int argc, char** argv) {
   for (const auto& name : simulator::person_names()) {
-    simulator::SceneRenderer studio(simulator::make_person(name), simulator::camera_layout());
+    const auto performance = simulator::make_performance({.person = name, .act = "walk"});
+    simulator::SceneRenderer studio(*performance, simulator::camera_layout());
     Totals with_plate, without;
     for (int frame = 0; frame < 24; frame += 8) {
-      const auto pose = simulator::pose_at(studio.person().skeleton, simulator::Act::walk, frame * simulator::kActStep);
-      const auto pictures = studio.pictures(pose, static_cast<std::uint64_t>(frame));
+      const auto pictures = studio.pictures(simulator::act_seconds(frame), static_cast<std::uint64_t>(frame));
       for (std::size_t i = 0; i < pictures.size(); ++i) {
         const cv::Mat rgb = as_sent(pictures[i].rgb);
         key_one(rgb, pictures[i].matte, as_sent(studio.clean_plate(i)), with_plate);
@@ -147,7 +148,7 @@ int main(int argc, char** argv) {
     }
     print(name + ", clean plate", with_plate);
     print(name + ", plate fitted", without);
-    colours(studio, simulator::pose_at(studio.person().skeleton, simulator::Act::walk, 0.0));
+    colours(studio);
     if (argc > 1) {
       capture::write_png(std::filesystem::path(argv[1]) / (name + "-plate.png"), with_plate.worst.picture);
       capture::write_png(std::filesystem::path(argv[1]) / (name + "-fitted.png"), without.worst.picture);

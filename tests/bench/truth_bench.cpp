@@ -153,11 +153,11 @@ struct Options {
 class TruthBench {
  public:
   explicit TruthBench(const Options& options)
-      : act_(simulator::act_from(options.act)),
+      : performance_(simulator::make_performance({.person = options.person, .act = options.act})),
         views_(options.views),
         take_(options.take),
         studio_(recon::read_take_studio(take_, std::nullopt)),
-        scene_(simulator::make_person(options.person), with_novel_views(studio_.views.cameras)) {
+        scene_(*performance_, with_novel_views(studio_.views.cameras)) {
     const auto video = recon::geometry_video_of(take_.folder());
     if (std::filesystem::exists(video)) video_.emplace(video);
     if (!views_.empty()) std::filesystem::create_directories(views_);
@@ -169,10 +169,10 @@ class TruthBench {
     if (!surface) return false;
     const auto set = take_.read(frame);
     const auto exposure_start = exposure_start_of(set);
-    const auto pose = simulator::pose_at(scene_.person().skeleton, act_, simulator::act_seconds(exposure_start, act_));
-    const auto pictures = scene_.pictures(pose, frame);
+    const int act_frame = simulator::act_frame_at(exposure_start, performance_->frames());
+    const auto pictures = scene_.pictures(simulator::act_seconds(act_frame), frame);
     measure_mattes(set, pictures, measured);
-    const auto truth = simulator::truth_mesh(scene_.person(), act_, exposure_start);
+    const auto truth = simulator::truth_mesh(*performance_, exposure_start);
     measure_surface("surface", *surface, truth, measured);
     measure_hull_of_true_mattes(truth, pictures, measured);
     measure_geometry_image(frame, truth, pictures, measured);
@@ -224,7 +224,7 @@ class TruthBench {
     }
   }
 
-  simulator::Act act_;
+  std::unique_ptr<simulator::Performance> performance_;
   std::filesystem::path views_;  // folder for pictures of ours beside the truth; empty: none
   capture::TakeReader take_;
   recon::TakeStudio studio_;

@@ -21,6 +21,11 @@ const Person& alex() {
   return person;
 }
 
+const Motion& walk() {
+  static const Motion motion = motion_of("walk", alex().skeleton);
+  return motion;
+}
+
 double lowest(const recon::TriangleMesh& mesh) {
   double low = 1e9;
   for (const auto& p : mesh.positions) low = std::min(low, static_cast<double>(p.z()));
@@ -62,16 +67,16 @@ TEST(Person, StaysInTheBindPoseWhenPosedSo) {
 }
 
 TEST(Person, StandsOnTheFloorThroughoutTheWalk) {
-  for (int frame = 0; frame < act_frames(Act::walk); ++frame) {
-    const auto mesh = posed_mesh(alex(), pose_at(alex().skeleton, Act::walk, frame * kActStep));
+  for (int frame = 0; frame < walk().frames; ++frame) {
+    const auto mesh = posed_mesh(alex(), walk().pose_at(frame * kActStep));
     EXPECT_NEAR(lowest(mesh), 0.0, 0.005) << "frame " << frame;  // 3 mm of gait, 2 mm of the sole's coarse triangles
   }
 }
 
 TEST(Person, KeepsItsVolumeWhileItWalks) {
   const double bind = recon::signed_volume(alex().bind);
-  for (int frame = 0; frame < act_frames(Act::walk); frame += 5) {
-    const auto mesh = posed_mesh(alex(), pose_at(alex().skeleton, Act::walk, frame * kActStep));
+  for (int frame = 0; frame < walk().frames; frame += 5) {
+    const auto mesh = posed_mesh(alex(), walk().pose_at(frame * kActStep));
     EXPECT_NEAR(recon::signed_volume(mesh) / bind, 1.0, 0.03) << "frame " << frame;
   }
 }

@@ -10,11 +10,9 @@
 namespace rotunda::simulator {
 namespace {
 
-Person painted_coarsely() {
-  auto description = describe_person("alex");
-  description.texels_per_edge = 2;
-  description.coarseness = 1.4;
-  return make_person(description);
+const Performance& walk() {
+  static const auto performance = make_performance({.act = "walk", .coarseness = 1.4, .texels_per_edge = 2});
+  return *performance;
 }
 
 std::vector<capture::CameraModel> odd_cameras() {
@@ -26,12 +24,8 @@ std::vector<capture::CameraModel> odd_cameras() {
 
 // Person and cameras are made once; the GL context stays current for all tests.
 SceneRenderer& studio() {
-  static SceneRenderer renderer(painted_coarsely(), odd_cameras());
+  static SceneRenderer renderer(walk(), odd_cameras());
   return renderer;
-}
-
-Pose walking(double seconds) {
-  return pose_at(studio().person().skeleton, Act::walk, seconds);
 }
 
 // Where the half-covered outline of a row lies, from the left; sub-pixel.
@@ -45,10 +39,10 @@ double left_edge(const cv::Mat& matte, int row) {
 
 // The leftmost truth point in each picture row is the silhouette's edge there, for skewed and distorted lenses too.
 TEST(SceneRenderer, SilhouettesAgreeWithTheProjectedSurface) {
-  const auto body = posed_mesh(studio().person(), walking(0.2));
+  const auto body = walk().surfaces_at(0.2).front();
   for (std::size_t camera = 0; camera < studio().cameras().size(); ++camera) {
     const auto& model = studio().cameras()[camera];
-    const auto matte = studio().picture(camera, walking(0.2), 5).matte;
+    const auto matte = studio().picture(camera, 0.2, 5).matte;
     std::vector<double> leftmost(static_cast<std::size_t>(model.height), 1e9);
     for (const auto& t : body.triangles)  // edges, cut at every row
       for (std::size_t i = 0; i < 3; ++i) {
@@ -73,14 +67,14 @@ TEST(SceneRenderer, SilhouettesAgreeWithTheProjectedSurface) {
 }
 
 TEST(SceneRenderer, FramesAreDeterministicAndTheirNoiseDiffers) {
-  const auto first = studio().picture(0, walking(0.0), 7).rgb, again = studio().picture(0, walking(0.0), 7).rgb;
-  const auto other = studio().picture(0, walking(0.0), 8).rgb;
+  const auto first = studio().picture(0, 0.0, 7).rgb, again = studio().picture(0, 0.0, 7).rgb;
+  const auto other = studio().picture(0, 0.0, 8).rgb;
   EXPECT_EQ(cv::norm(first, again, cv::NORM_INF), 0.0);
   EXPECT_GT(cv::norm(first, other, cv::NORM_INF), 0.0);
 }
 
 TEST(SceneRenderer, TheMatteIsWhereThePictureLeavesThePlate) {
-  const auto picture = studio().picture(1, walking(0.1), 3);
+  const auto picture = studio().picture(1, 0.1, 3);
   cv::Mat changed;
   cv::absdiff(picture.rgb, studio().clean_plate(1), changed);
   double far_out = 0, out = 0, far_in = 0, in = 0;
@@ -122,28 +116,40 @@ TEST(PixelEncoding, EveryFormatComesBackAsTheColourItWas) {
 }
 
 TEST(FrameCache, ShowsWhatTheTimeOfExposureSays) {
-  using std::chrono::nanoseconds;
   const auto at = [](std::int64_t ms) { return capture::Timestamp(std::chrono::milliseconds(ms)); };
-  EXPECT_EQ(act_frame_at(at(0), Act::walk), 0);
-  EXPECT_EQ(act_frame_at(at(40 * 26 * 1000 + 40 * 3), Act::walk), 3);
-  EXPECT_EQ(act_frame_at(at(40 * 5 + 19), Act::walk), 5);  // a late trigger shows the nearest act frame
-  EXPECT_EQ(act_frame_at(at(40 * 5 + 21), Act::walk), 6);
-  EXPECT_DOUBLE_EQ(act_seconds(at(40 * 27), Act::walk), kActStep);
+  EXPECT_EQ(act_frame_at(at(0), 26), 0);
+  EXPECT_EQ(act_frame_at(at(40 * 26 * 1000 + 40 * 3), 26), 3);
+  EXPECT_EQ(act_frame_at(at(40 * 5 + 19), 26), 5);  // a late trigger shows the nearest act frame
+  EXPECT_EQ(act_frame_at(at(40 * 5 + 21), 26), 6);
+  EXPECT_DOUBLE_EQ(act_seconds(act_frame_at(at(40 * 27), 26)), kActStep);
 }
 
 TEST(FrameCache, HoldsThePicturesOfTheRenderer) {
-  const FrameCache cache(studio(), Act::a_pose, capture::PixelFormat::bayer_rg8);
-  const auto rgb = studio().picture(2, pose_at(studio().person().skeleton, Act::a_pose, 0.0), 0).rgb;
+  const auto still = make_performance({.act = "a-pose", .coarseness = 1.4, .texels_per_edge = 2});
+  SceneRenderer standing(*still, odd_cameras());
+  const FrameCache cache(standing, capture::PixelFormat::bayer_rg8);
+  const auto rgb = standing.picture(2, 0.0, 0).rgb;
   const auto bytes = cache.picture_at(2, capture::Timestamp(std::chrono::milliseconds(123456)));
   const auto expected = encode_pixels(rgb, capture::PixelFormat::bayer_rg8);
   EXPECT_TRUE(std::equal(bytes.begin(), bytes.end(), expected.begin(), expected.end()));
 }
 
 TEST(Truth, IsThePosedSurfaceOfTheExposuresActFrame) {
-  const auto truth = truth_mesh(studio().person(), Act::walk, capture::Timestamp(std::chrono::milliseconds(40 * 29)));
-  const auto expected = posed_mesh(studio().person(), walking(3 * kActStep));
+  const auto truth = truth_mesh(walk(), capture::Timestamp(std::chrono::milliseconds(40 * 29)));
+  const auto expected = walk().surfaces_at(act_seconds(3)).front();
   ASSERT_EQ(truth.positions.size(), expected.positions.size());
   EXPECT_LT((truth.positions[1000] - expected.positions[1000]).norm(), 1e-6F);
+}
+
+TEST(Performance, AnotherPersonActOrTextureHasAnotherFingerprint) {
+  const auto print = [](const PerformanceOptions& options) { return make_performance(options)->fingerprint(); };
+  const PerformanceOptions walking{.act = "walk", .coarseness = 1.4, .texels_per_edge = 2};
+  auto idling = walking, finely_painted = walking;
+  idling.act = "idle";
+  finely_painted.texels_per_edge = 3;
+  EXPECT_EQ(print(walking), print(walking));
+  EXPECT_NE(print(walking), print(idling));
+  EXPECT_NE(print(walking), print(finely_painted));
 }
 
 }  // namespace

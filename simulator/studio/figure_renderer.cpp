@@ -1,4 +1,4 @@
-#include "simulator/studio/person_renderer.h"
+#include "simulator/studio/figure_renderer.h"
 
 #include <tbb/parallel_for.h>
 
@@ -73,13 +73,14 @@ std::vector<SeenVertex> see_all(const capture::CameraModel& camera, const recon:
   return seen;
 }
 
-cv::Rect box_of(const std::vector<SeenVertex>& seen, const capture::CameraModel& camera) {
+cv::Rect box_of(const std::vector<std::vector<SeenVertex>>& seen, const capture::CameraModel& camera) {
   Eigen::Array2d low = Eigen::Array2d::Constant(1e9), high = -low;
-  for (const auto& vertex : seen) {
-    if (vertex.depth <= 0.0) continue;
-    low = low.min(vertex.pixel.array());
-    high = high.max(vertex.pixel.array());
-  }
+  for (const auto& figure : seen)
+    for (const auto& vertex : figure) {
+      if (vertex.depth <= 0.0) continue;
+      low = low.min(vertex.pixel.array());
+      high = high.max(vertex.pixel.array());
+    }
   low = (low - 1.0).floor().max(0.0);
   high = (high + 2.0).ceil().min(Eigen::Array2d(camera.width, camera.height));
   if ((low >= high).any()) return {};
@@ -126,7 +127,7 @@ const std::array<float, 256>& linear_of_srgb() {
 }
 
 // Mean over the samples of each pixel, in linear light.
-void filter_down(const cv::Mat& samples, int factor, PersonLayer& layer) {
+void filter_down(const cv::Mat& samples, int factor, FigureLayer& layer) {
   const auto& linear = linear_of_srgb();
   const float share = 1.0F / static_cast<float>(factor * factor);
   tbb::parallel_for(0, layer.box.height, [&](int y) {
@@ -149,7 +150,7 @@ void filter_down(const cv::Mat& samples, int factor, PersonLayer& layer) {
   });
 }
 
-playback::GlTexture upload(const cv::Mat& picture) {
+playback::GlTexture upload_picture(const cv::Mat& picture) {
   auto texture = playback::make_texture();
   glBindTexture(GL_TEXTURE_2D, texture.get());
   glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
@@ -167,31 +168,34 @@ int default_supersampling(int picture_width) {
   return std::clamp((2800 + picture_width / 2) / picture_width, 2, 8);
 }
 
-PersonRenderer::PersonRenderer(const Person& person, int supersampling)
-    : person_(person),
+FigureRenderer::FigureRenderer(const std::vector<Figure>& figures, int supersampling)
+    : figures_(figures),
       supersampling_(supersampling),
-      program_(playback::make_program(kVertexShader, kFragmentShader)),
-      texture_(upload(person.texture.picture)),
-      corners_(playback::make_buffer()),
-      vertices_(playback::make_buffer()),
-      array_(playback::make_vertex_array()) {
-  std::vector<Eigen::Vector2f> corners = person.texture.corners;
-  const Eigen::Array2f size(static_cast<float>(person.texture.picture.cols),
-                            static_cast<float>(person.texture.picture.rows));
+      program_(playback::make_program(kVertexShader, kFragmentShader)) {
+  for (const auto& figure : figures) drawn_.push_back(upload(figure));
+}
+
+FigureRenderer::DrawnFigure FigureRenderer::upload(const Figure& figure) {
+  const cv::Mat& picture = figure.texture.picture;
+  DrawnFigure drawn{upload_picture(picture), playback::make_buffer(), playback::make_buffer(),
+                    playback::make_vertex_array()};
+  std::vector<Eigen::Vector2f> corners = figure.texture.corners;
+  const Eigen::Array2f size(static_cast<float>(picture.cols), static_cast<float>(picture.rows));
   for (auto& corner : corners) corner = (corner.array() / size).matrix();
-  glBindVertexArray(array_.get());
-  glBindBuffer(GL_ARRAY_BUFFER, corners_.get());
+  glBindVertexArray(drawn.array.get());
+  glBindBuffer(GL_ARRAY_BUFFER, drawn.corners.get());
   glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(corners.size() * sizeof(corners[0])), corners.data(),
                GL_STATIC_DRAW);
   glVertexAttribPointer(2, 2, GL_FLOAT, GL_FALSE, 0, nullptr);
-  glBindBuffer(GL_ARRAY_BUFFER, vertices_.get());
+  glBindBuffer(GL_ARRAY_BUFFER, drawn.vertices.get());
   const auto* offset = reinterpret_cast<const void*>(offsetof(DrawnVertex, light));
   glVertexAttribPointer(0, 4, GL_FLOAT, GL_FALSE, sizeof(DrawnVertex), nullptr);
   glVertexAttribPointer(1, 4, GL_FLOAT, GL_FALSE, sizeof(DrawnVertex), offset);
   for (GLuint i = 0; i < 3; ++i) glEnableVertexAttribArray(i);
+  return drawn;
 }
 
-const playback::RenderTarget& PersonRenderer::target_for(cv::Size size) {
+const playback::RenderTarget& FigureRenderer::target_for(cv::Size size) {
   if (!target_ || target_->width() < size.width || target_->height() < size.height) {
     const int width = std::max(size.width, target_ ? target_->width() : 0);
     const int height = std::max(size.height, target_ ? target_->height() : 0);
@@ -201,12 +205,12 @@ const playback::RenderTarget& PersonRenderer::target_for(cv::Size size) {
   return *target_;
 }
 
-PersonLayer PersonRenderer::draw(const capture::CameraModel& camera, const recon::TriangleMesh& surface) {
-  const auto seen = see_all(camera, surface, person_.openness);
-  PersonLayer layer;
+FigureLayer FigureRenderer::draw(const capture::CameraModel& camera, const std::vector<recon::TriangleMesh>& surfaces) {
+  std::vector<std::vector<SeenVertex>> seen;
+  for (std::size_t i = 0; i < surfaces.size(); ++i) seen.push_back(see_all(camera, surfaces[i], figures_[i].openness));
+  FigureLayer layer;
   layer.box = box_of(seen, camera);
   if (layer.box.empty()) return layer;
-  const auto vertices = corners_to_draw(seen, surface, layer.box);
   const cv::Size size = layer.box.size() * supersampling_;
   target_for(size).bind();
   glViewport(0, 0, size.width, size.height);
@@ -216,12 +220,15 @@ PersonLayer PersonRenderer::draw(const capture::CameraModel& camera, const recon
   glDisable(GL_CULL_FACE);  // a renderer that shares the context may have left it on
   glUseProgram(program_.get());
   glUniform3fv(playback::uniform(program_, "wall_glow"), 1, kWallGlow.data());
-  glBindTexture(GL_TEXTURE_2D, texture_.get());
-  glBindVertexArray(array_.get());
-  glBindBuffer(GL_ARRAY_BUFFER, vertices_.get());
-  glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size() * sizeof(DrawnVertex)), vertices.data(),
-               GL_STREAM_DRAW);
-  glDrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(vertices.size()));
+  for (std::size_t i = 0; i < surfaces.size(); ++i) {
+    const auto vertices = corners_to_draw(seen[i], surfaces[i], layer.box);
+    glBindTexture(GL_TEXTURE_2D, drawn_[i].texture.get());
+    glBindVertexArray(drawn_[i].array.get());
+    glBindBuffer(GL_ARRAY_BUFFER, drawn_[i].vertices.get());
+    glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size() * sizeof(DrawnVertex)), vertices.data(),
+                 GL_STREAM_DRAW);
+    glDrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(vertices.size()));
+  }
   cv::Mat samples(size, CV_8UC4);
   glPixelStorei(GL_PACK_ALIGNMENT, 4);
   glReadPixels(0, 0, size.width, size.height, GL_RGBA, GL_UNSIGNED_BYTE, samples.data);

@@ -1,0 +1,45 @@
+#include "simulator/people/performance.h"
+
+#include "simulator/people/fingerprint.h"
+#include "simulator/people/synthetic_performance.h"
+
+namespace rotunda::simulator {
+
+std::unique_ptr<Performance> make_performance(const PerformanceOptions& options) {
+  auto description = describe_person(options.person);
+  description.coarseness = options.coarseness;
+  if (options.texels_per_edge) description.texels_per_edge = *options.texels_per_edge;
+  auto person = make_person(description);
+  auto motion = motion_of(options.act, person.skeleton, {.travel = options.travel, .seed = options.seed});
+  return std::make_unique<SyntheticPerformance>(std::move(person), std::move(motion));
+}
+
+namespace {
+
+template <class T>
+void add_all(Fingerprint& print, const std::vector<T>& values) {
+  print.add(values.size());
+  print.add_bytes(values.data(), values.size() * sizeof(T));
+}
+
+}  // namespace
+
+void add_to(Fingerprint& print, const std::vector<Figure>& figures) {
+  for (const auto& figure : figures) {
+    add_all(print, figure.bind.positions);
+    add_all(print, figure.bind.triangles);
+    add_all(print, figure.openness);
+    add_all(print, figure.texture.corners);
+    const cv::Mat& picture = figure.texture.picture;
+    for (int row = 0; row < picture.rows; ++row)
+      print.add_bytes(picture.ptr(row), static_cast<std::size_t>(picture.cols) * picture.elemSize());
+  }
+}
+
+int act_frame_at(capture::Timestamp exposure_start, int frames) {
+  constexpr auto kStepNs = static_cast<std::int64_t>(kActStep * 1e9);
+  const std::int64_t step = (exposure_start.time_since_epoch().count() + kStepNs / 2) / kStepNs;
+  return static_cast<int>(step % frames);
+}
+
+}  // namespace rotunda::simulator

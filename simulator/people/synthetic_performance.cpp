@@ -1,0 +1,60 @@
+#include "simulator/people/synthetic_performance.h"
+
+#include <cmath>
+
+#include "simulator/people/fingerprint.h"
+
+namespace rotunda::simulator {
+namespace {
+
+std::vector<JointInfo> joint_infos() {
+  std::vector<JointInfo> infos;
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    const auto joint = static_cast<Joint>(i);
+    const auto parent = parent_of(joint);
+    infos.push_back({std::string(to_string(joint)), parent == joint ? -1 : static_cast<int>(index(parent))});
+  }
+  return infos;
+}
+
+}  // namespace
+
+SyntheticPerformance::SyntheticPerformance(Person person, Motion motion)
+    : person_(std::move(person)), motion_(std::move(motion)), joints_(joint_infos()) {
+  figures_.push_back({person_.bind, person_.openness, std::move(person_.texture)});
+}
+
+Pose SyntheticPerformance::pose_at(double seconds) const {
+  const double round = motion_.frames * kActStep;
+  return motion_.pose_at(seconds - round * std::floor(seconds / round));
+}
+
+std::vector<recon::TriangleMesh> SyntheticPerformance::surfaces_at(double seconds) const {
+  return {posed_mesh(person_, pose_at(seconds))};
+}
+
+std::vector<JointState> SyntheticPerformance::joints_at(double seconds) const {
+  const Pose pose = pose_at(seconds);
+  const auto centres = joint_centres(person_.skeleton, pose);
+  std::vector<JointState> states;
+  for (std::size_t i = 0; i < kJoints; ++i) states.push_back({centres[i], pose.rotation[i]});
+  return states;
+}
+
+std::string SyntheticPerformance::fingerprint() const {
+  Fingerprint print;
+  add_to(print, figures_);
+  for (const auto& weights : person_.weights) {
+    print.add_bytes(weights.joint.data(), sizeof weights.joint);
+    print.add_bytes(weights.weight.data(), sizeof weights.weight);
+  }
+  // The motion is told by what it does to the joints, whatever makes it.
+  for (int frame = 0; frame < motion_.frames; ++frame)
+    for (const auto& [position, rotation] : joints_at(act_seconds(frame))) {
+      print.add_bytes(position.data(), sizeof(double) * 3);
+      print.add_bytes(rotation.coeffs().data(), sizeof(double) * 4);
+    }
+  return print.text();
+}
+
+}  // namespace rotunda::simulator

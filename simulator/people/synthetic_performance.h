@@ -1,0 +1,33 @@
+#pragma once
+// One of the simulator's own people in a motion: the skin follows the skeleton.
+#include "simulator/people/performance.h"
+#include "simulator/people/person.h"
+
+namespace rotunda::simulator {
+
+class SyntheticPerformance : public Performance {
+ public:
+  SyntheticPerformance(Person person, Motion motion);
+
+  const std::string& person() const override { return person_.name; }
+  const std::string& act() const override { return motion_.name; }
+  int frames() const override { return motion_.frames; }
+  bool is_cyclic() const override { return motion_.is_cyclic; }
+  const std::vector<Figure>& figures() const override { return figures_; }
+  std::vector<recon::TriangleMesh> surfaces_at(double seconds) const override;
+  const std::vector<JointInfo>& joints() const override { return joints_; }
+  std::vector<JointState> joints_at(double seconds) const override;
+  std::vector<HeelStrike> heel_strikes() const override { return motion_.heel_strikes; }
+  std::string fingerprint() const override;
+
+  const Skeleton& skeleton() const { return person_.skeleton; }
+  Pose pose_at(double seconds) const;
+
+ private:
+  Person person_;
+  Motion motion_;
+  std::vector<Figure> figures_;
+  std::vector<JointInfo> joints_;
+};
+
+}  // namespace rotunda::simulator
