@@ -365,6 +365,7 @@ DueFrame GigeDevice::frame_at(Timestamp start) {
   return {.block = last_block_,
           .exposure_start = start,
           .due = start + busy_time(),
+          .exposure = exposure(),
           .destination = stream_destination(),
           .packet_size = registers_.get(reg::kPacketSize) & kPacketSizeMask,
           .pixel_code = registers_.get(reg::kPixelFormat),

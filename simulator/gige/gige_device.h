@@ -25,6 +25,7 @@ namespace rotunda::simulator {
 struct DueFrame {
   std::uint16_t block = 0;
   capture::Timestamp exposure_start, due;
+  std::chrono::nanoseconds exposure{};  // how long the shutter stays open
   Endpoint destination;  // port 0: nobody asked for the stream
   std::uint32_t packet_size = 0, pixel_code = 0, width = 0, height = 0;
   std::chrono::nanoseconds packet_delay{};

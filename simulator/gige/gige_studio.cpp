@@ -135,7 +135,7 @@ struct Errands {
 
 struct GigeStudio::Impl {
   Impl(const std::vector<GigeCameraOptions>& options, PictureAt picture, const GigeStudioOptions& studio)
-      : picture_at(std::move(picture)) {
+      : picture_at(std::move(picture)), on_exposure(studio.on_exposure) {
     check_distinct(options);
     cameras.reserve(options.size());
     for (const auto& camera : options) {
@@ -168,6 +168,7 @@ struct GigeStudio::Impl {
   void publish_and_wait();
 
   PictureAt picture_at;
+  OnExposure on_exposure;
   std::vector<UdpSocket> broadcasts;
   EpollHandle poll;  // events carry the camera's number; broadcasts follow the cameras
   mutable std::mutex mutex;
@@ -297,6 +298,8 @@ void GigeStudio::Impl::send_frame(std::size_t camera, const DueFrame& frame, con
                        .packet_size = frame.packet_size,
                        .pixels = pixels},
                       frame.destination, frame.packet_delay, frame.due + faults.late);
+  if (on_exposure)
+    on_exposure({.camera = camera, .block = frame.block, .start = frame.exposure_start, .duration = frame.exposure});
 }
 
 // Burst by burst in turn, as the cameras would share a switch.

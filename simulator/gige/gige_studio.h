@@ -20,6 +20,16 @@ namespace rotunda::simulator {
 // The camera counts as giving no picture if the span has another size or the call throws: the frame is skipped.
 using PictureAt = std::function<std::span<const std::uint8_t>(std::size_t camera, capture::Timestamp exposure_start)>;
 
+// One exposure as it truly was, whatever the camera's clock says and whatever becomes of its packets.
+struct Exposure {
+  std::size_t camera = 0;
+  std::uint64_t block = 0;  // as the stream numbers the frame
+  capture::Timestamp start;
+  std::chrono::nanoseconds duration{};
+};
+// Told on the sender thread of every exposure whose frame goes out, so it must be quick.
+using OnExposure = std::function<void(const Exposure&)>;
+
 struct GigeStats {
   std::uint64_t frames_sent = 0;
   std::uint64_t missing_pictures = 0;  // PictureAt gave none, so no frame was sent
@@ -33,6 +43,7 @@ struct GigeStats {
 
 struct GigeStudioOptions {
   double link_bits_per_second = 1e9;  // of each camera, paces its packets; 0: each frame leaves in one burst
+  OnExposure on_exposure;
 };
 
 class GigeStudio {

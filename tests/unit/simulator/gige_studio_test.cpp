@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <map>
+#include <mutex>
 #include <thread>
 
 #include "config/errors.h"
@@ -276,6 +277,31 @@ TEST_F(GigeStudioTest, ACameraWithoutAPictureSkipsTheFrameAndCountsIt) {
   client.execute("TriggerSoftware");
   for (int k = 0; k < 1000 && studio.stats()[0].missing_pictures == 0; ++k) std::this_thread::sleep_for(10ms);
   EXPECT_EQ(studio.stats()[0].missing_pictures, 1U);
+}
+
+TEST_F(GigeStudioTest, TellsTheExposureBehindEachFrame) {
+  const std::vector<std::uint8_t> pixels(720 * 576);
+  std::mutex mutex;
+  std::vector<Exposure> told;
+  GigeStudio studio({GigeCameraOptions{}}, [&](std::size_t, Timestamp) { return std::span{pixels}; },
+                    {.on_exposure = [&](const Exposure& exposure) {
+                      const std::scoped_lock lock(mutex);
+                      told.push_back(exposure);
+                    }});
+  studio.start();
+  AravisClient client("127.0.0.1", kPacketSize);
+  client.set_float("ExposureTime", 1250.0);
+  client.trigger_by("Software");
+  client.start();
+  client.execute("TriggerSoftware");
+  const auto frame = client.next_frame();
+  ASSERT_TRUE(frame);
+  const std::scoped_lock lock(mutex);
+  ASSERT_EQ(told.size(), 1U);
+  EXPECT_EQ(told[0].camera, 0U);
+  EXPECT_EQ(told[0].block, frame->block);
+  EXPECT_EQ(told[0].start, frame->exposure_start);
+  EXPECT_EQ(told[0].duration, 1250us);
 }
 
 TEST_F(GigeStudioTest, AnIndependentToolListsAndReadsTheCameras) {
