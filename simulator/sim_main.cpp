@@ -11,6 +11,7 @@
 #include "capture/calibration_file.h"
 #include "config/errors.h"
 #include "config/exit_code.h"
+#include "simulator/gallery.h"
 #include "simulator/gige/gige_studio.h"
 #include "simulator/people/person.h"
 #include "simulator/picture_set.h"
@@ -160,6 +161,25 @@ int write_layout(const RenderOptions& options) {
   return kDone;
 }
 
+struct GalleryChoice {
+  GalleryOptions options{.people = person_names(), .acts = act_names()};
+  std::string output;
+};
+
+int gallery(const GalleryChoice& choice) {
+  write_gallery(choice.output, choice.options, [](const std::string& sheet) { fmt::print(stderr, "{}\n", sheet); });
+  return kDone;
+}
+
+CLI::App* add_gallery(CLI::App& app, GalleryChoice& choice) {
+  auto* command = app.add_subcommand("gallery", "write sheets of pictures of people and acts");
+  command->add_option("--person", choice.options.people, "whom (all)")->delimiter(',');
+  command->add_option("--act", choice.options.acts, "what (all acts)")->delimiter(',');
+  command->add_option("-o,--output", choice.output, "folder to write")->required();
+  command->footer("Example: rotunda-sim gallery --act walk,jog -o pictures");
+  return command;
+}
+
 void add_layout_options(CLI::App& command, RenderOptions& options) {
   command.add_option("--cameras", options.layout.cameras, "2 to 64; four in five on a ring, the rest from above");
   command.add_option("--size", options.size, "WIDTHxHEIGHT in pixels (720x576)");
@@ -198,10 +218,13 @@ int run(int argc, char** argv) {
   add_layout_options(*layout_command, rendering);
   layout_command->add_option("-o,--output", rendering.output, "file to write")->required();
   layout_command->footer("Example: rotunda-sim layout --cameras 10 -o calibration.yaml");
+  GalleryChoice galleried;
+  auto* gallery_command = add_gallery(app, galleried);
   app.require_subcommand(0, 1);
   try {
     app.parse(argc, argv);
     if (*render_command) return render(rendering);
+    if (*gallery_command) return gallery(galleried);
     return *layout_command ? write_layout(rendering) : serve(serving);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? kDone : kUsage;

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "capture/picture.h"
+#include "simulator/people/synthetic_performance.h"
 #include "simulator/studio/camera_layout.h"
 #include "simulator/studio/frame_cache.h"
 #include "simulator/studio/pixel_encoding.h"
@@ -141,15 +142,23 @@ TEST(Truth, IsThePosedSurfaceOfTheExposuresActFrame) {
   EXPECT_LT((truth.positions[1000] - expected.positions[1000]).norm(), 1e-6F);
 }
 
-TEST(Performance, AnotherPersonActOrTextureHasAnotherFingerprint) {
-  const auto print = [](const PerformanceOptions& options) { return make_performance(options)->fingerprint(); };
-  const PerformanceOptions walking{.act = "walk", .coarseness = 1.4, .texels_per_edge = 2};
-  auto idling = walking, finely_painted = walking;
-  idling.act = "idle";
-  finely_painted.texels_per_edge = 3;
-  EXPECT_EQ(print(walking), print(walking));
-  EXPECT_NE(print(walking), print(idling));
-  EXPECT_NE(print(walking), print(finely_painted));
+TEST(Performance, AnotherSurfaceActOrTextureHasAnotherFingerprint) {
+  auto description = describe_person("alex");
+  description.coarseness = 1.4;
+  description.texels_per_edge = 2;
+  const Person alex = make_person(description);
+  auto repainted = alex, reshaped = alex;
+  repainted.texture.picture = alex.texture.picture.clone();
+  repainted.texture.picture.at<cv::Vec3b>(5, 5) += cv::Vec3b(1, 0, 0);
+  reshaped.bind.positions[100].x() += 0.001F;
+  const auto print = [](Person person, const char* act) {
+    const auto motion = motion_of(act, person.skeleton);
+    return SyntheticPerformance(std::move(person), motion).fingerprint();
+  };
+  EXPECT_EQ(print(alex, "idle"), print(alex, "idle"));
+  EXPECT_NE(print(alex, "idle"), print(alex, "a-pose"));
+  EXPECT_NE(print(alex, "idle"), print(repainted, "idle"));
+  EXPECT_NE(print(alex, "idle"), print(reshaped, "idle"));
 }
 
 }  // namespace
