@@ -15,16 +15,19 @@ namespace {
 constexpr std::uint32_t kBurstBytes = 64 * 1024;  // what leaves between two looks at the clock
 constexpr std::uint32_t kBatch = 64;              // packets a system call
 
-// One sendmmsg() in the making: heads are kept here, pixels stay where they are.
-class Batch {
+}  // namespace
+
+// One sendmmsg() in the making: heads are kept here, pixels stay where they are. Leaves when full and at its end.
+class CameraStream::Batch {
  public:
-  explicit Batch(Endpoint destination) {
+  Batch(int socket, Endpoint destination, StreamCounts& counts) : socket_(socket), counts_(counts) {
     to_.sin_family = AF_INET;
     to_.sin_port = htons(destination.port);
     to_.sin_addr.s_addr = htonl(destination.address);
   }
-
-  bool is_full() const { return size_ == kBatch; }
+  Batch(const Batch&) = delete;
+  Batch& operator=(const Batch&) = delete;
+  ~Batch() { send(); }
 
   void add(const GvspPacket& packet) {
     packets_[size_] = packet;
@@ -37,30 +40,30 @@ class Batch {
     header.msg_namelen = sizeof to_;
     header.msg_iov = pieces_[size_].data();
     header.msg_iovlen = packet.pixels.empty() ? 1 : 2;
-    ++size_;
+    if (++size_ == kBatch) send();
   }
 
+ private:
   // A packet the network refuses is skipped, as a switch would drop it.
-  void send(int socket, StreamCounts& counts) {
+  void send() {
     for (std::uint32_t done = 0; done < size_;) {
-      const int sent = sendmmsg(socket, messages_.data() + done, size_ - done, 0);
+      const int sent = sendmmsg(socket_, messages_.data() + done, size_ - done, 0);
       if (sent < 0 && errno == EINTR) continue;
-      counts.packets_sent += sent > 0 ? static_cast<std::uint64_t>(sent) : 0;
-      counts.send_errors += sent > 0 ? 0 : 1;
+      counts_.packets_sent += sent > 0 ? static_cast<std::uint64_t>(sent) : 0;
+      counts_.send_errors += sent > 0 ? 0 : 1;
       done += sent > 0 ? static_cast<std::uint32_t>(sent) : 1;
     }
     size_ = 0;
   }
 
- private:
+  int socket_;
+  StreamCounts& counts_;
   sockaddr_in to_{};
   std::uint32_t size_ = 0;
   std::array<GvspPacket, kBatch> packets_;
   std::array<std::array<iovec, 2>, kBatch> pieces_;
   std::array<mmsghdr, kBatch> messages_;
 };
-
-}  // namespace
 
 CameraStream::CameraStream(std::size_t camera, int socket, double bits_per_second)
     : camera_(camera), socket_(socket), bits_per_second_(bits_per_second) {}
@@ -70,9 +73,24 @@ void CameraStream::make_room() {
 }
 
 void CameraStream::add(const GvspFrame& frame, Endpoint destination, std::chrono::nanoseconds packet_delay,
-                       capture::Timestamp not_before) {
+                       capture::Timestamp not_before, const GigeFaults& faults) {
   make_room();
-  kept_.push_back({frame, destination, packet_delay, not_before});
+  counts_.faults[FaultKind::late_frames] += faults.late_frames.by.count() != 0;
+  kept_.push_back({frame, destination, packet_delay, not_before + faults.late_frames.by, faults, {}, 0, {}, {}});
+  if (faults.wrong_payload_size.sent_change != 0) change_length(kept_.back());
+}
+
+void CameraStream::change_length(KeptFrame& kept) {
+  auto& pixels = kept.frame.pixels;
+  const auto size = static_cast<std::int64_t>(pixels.size()) + kept.faults.wrong_payload_size.sent_change;
+  ++counts_.faults[FaultKind::wrong_payload_size];
+  if (size <= static_cast<std::int64_t>(pixels.size())) {
+    pixels = pixels.first(static_cast<std::size_t>(std::max<std::int64_t>(0, size)));
+    return;
+  }
+  kept.own_pixels.assign(pixels.begin(), pixels.end());
+  kept.own_pixels.resize(static_cast<std::size_t>(size));
+  pixels = kept.own_pixels;
 }
 
 CameraStream::KeptFrame* CameraStream::unsent() {
@@ -99,57 +117,114 @@ std::chrono::nanoseconds CameraStream::duration(const KeptFrame& kept, std::uint
   return std::chrono::nanoseconds{static_cast<std::int64_t>(on_the_link)} + packets * kept.packet_delay;
 }
 
-bool CameraStream::send_due(capture::Timestamp now, const GigeFaults& faults) {
+bool CameraStream::send_due(capture::Timestamp now, Link link) {
   const auto when = next_burst();
   if (!when || *when > now) return false;
   KeptFrame& kept = *unsent();
   const std::uint32_t packets = burst_packets(kept);
-  send_packets(kept, kept.sent, kept.sent + packets, Attempt::first, faults);
-  kept.sent += packets;
+  send_first(kept, kept.sent + packets, link);
   next_send_ = *when + duration(kept, packets);
-  if (kept.sent == packet_count(kept.frame) && !faults.silent) ++counts_.frames_sent;
+  if (kept.sent == packet_count(kept.frame) && link == Link::up) ++counts_.frames_sent;
   return true;
 }
 
-void CameraStream::send_packets(KeptFrame& kept, std::uint32_t first, std::uint32_t end, Attempt attempt,
-                                const GigeFaults& faults) {
-  Batch batch(kept.destination);
-  const bool again = attempt == Attempt::again;
-  for (std::uint32_t packet = first; packet < end; ++packet) {
-    const std::uint64_t try_number = again ? ++kept.resent : 0;
-    if (faults.silent || is_lost(faults, camera_, kept.frame.block, packet, try_number)) {
-      ++counts_.packets_lost;
-      continue;
+void CameraStream::send_first(KeptFrame& kept, std::uint32_t end, Link link) {
+  Batch batch(socket_, kept.destination, counts_);
+  const auto release = [&](bool all) {
+    while (!kept.held_back.empty() && (all || kept.held_back.front().until < kept.sent)) {
+      send(batch, kept, {camera_, kept.frame.block, kept.held_back.front().packet, 0}, link);
+      kept.held_back.pop_front();
     }
-    batch.add(gvsp_packet(kept.frame, packet, again ? GvspStatus::resent : GvspStatus::ok));
-    if (again) ++counts_.packets_resent;
-    if (batch.is_full()) batch.send(socket_, counts_);
+  };
+  while (kept.sent < end) {
+    const PacketSending sending{camera_, kept.frame.block, kept.sent++, 0};
+    if (!hold_back(kept, sending)) send(batch, kept, sending, link);
+    release(false);
   }
-  batch.send(socket_, counts_);
+  release(kept.sent == packet_count(kept.frame));
 }
 
-void CameraStream::resend(const ResendCommand& request, const GigeFaults& faults) {
+void CameraStream::send_again(KeptFrame& kept, std::uint32_t first, std::uint32_t end, Link link) {
+  Batch batch(socket_, kept.destination, counts_);
+  for (std::uint32_t packet = first; packet < end; ++packet)
+    send(batch, kept, {camera_, kept.frame.block, packet, ++kept.attempts[packet]}, link);
+}
+
+void CameraStream::send(Batch& batch, KeptFrame& kept, const PacketSending& sending, Link link) {
+  if (is_withheld(kept, sending, link)) return;
+  const GvspPacket packet = packet_of(kept, sending);
+  batch.add(packet);
+  counts_.packets_resent += sending.attempt > 0;
+  if (!strikes(kept.faults.duplicate.rate, kept.faults.seed, FaultKind::duplicate, sending)) return;
+  batch.add(packet);
+  ++counts_.faults[FaultKind::duplicate];
+}
+
+// Counts what it keeps from leaving.
+bool CameraStream::is_withheld(const KeptFrame& kept, const PacketSending& sending, Link link) {
+  const auto& wrong = kept.faults;
+  const auto struck = [&](double rate, FaultKind kind) { return strikes(rate, wrong.seed, kind, sending); };
+  if (struck(wrong.network_error.rate, FaultKind::network_error)) {
+    ++counts_.send_errors;
+    ++counts_.faults[FaultKind::network_error];
+    return true;
+  }
+  const bool is_trailer = sending.packet + 1 == packet_count(kept.frame);
+  const bool lost = is_lost(wrong, sending);
+  const bool no_trailer = is_trailer && struck(wrong.missing_trailer.rate, FaultKind::missing_trailer);
+  counts_.faults[FaultKind::silence] += link == Link::silent;
+  if (link == Link::up) {
+    counts_.faults[FaultKind::packet_loss] += lost;
+    counts_.faults[FaultKind::missing_trailer] += no_trailer && !lost;
+  }
+  if (link == Link::up && !lost && !no_trailer) return false;
+  ++counts_.packets_lost;
+  return true;
+}
+
+bool CameraStream::hold_back(KeptFrame& kept, const PacketSending& sending) {
+  const auto& reorder = kept.faults.reorder;
+  if (!strikes(reorder.rate, kept.faults.seed, FaultKind::reorder, sending)) return false;
+  kept.held_back.push_back({sending.packet, sending.packet + reorder.by});
+  ++counts_.faults[FaultKind::reorder];
+  return true;
+}
+
+GvspPacket CameraStream::packet_of(const KeptFrame& kept, const PacketSending& sending) {
+  constexpr std::size_t kLeaderBytes = 36;  // after its packet header
+  const auto status = sending.attempt > 0 ? GvspStatus::resent : GvspStatus::ok;
+  const auto& [flaw, rate] = kept.faults.corrupted_leader;
+  if (sending.packet != 0 || !strikes(rate, kept.faults.seed, FaultKind::corrupted_leader, sending))
+    return gvsp_packet(kept.frame, sending.packet, status);
+  ++counts_.faults[FaultKind::corrupted_leader];
+  GvspFrame wrong = kept.frame;
+  if (flaw == LeaderFlaw::width) wrong.width *= 2;
+  if (flaw == LeaderFlaw::height) wrong.height *= 2;
+  if (flaw == LeaderFlaw::pixel_format) wrong.pixel_code = 0x0108FFFF;  // 8 bits a pixel, of no known kind
+  if (flaw == LeaderFlaw::block_id) wrong.block ^= 0x4000;
+  GvspPacket leader = gvsp_packet(wrong, 0, status);
+  if (flaw == LeaderFlaw::random)
+    randomise_leader(std::span{leader.head}.first(leader.head_bytes).last(kLeaderBytes), kept.faults.seed, sending);
+  return leader;
+}
+
+void CameraStream::resend(const ResendCommand& request, Link link) {
   const auto kept = std::find_if(kept_.rbegin(), kept_.rend(),
                                  [&](const KeptFrame& each) { return each.frame.block == request.block; });
   if (kept != kept_.rend()) {
     // What had no turn yet comes anyhow.
     const std::uint32_t end = std::min(kept->sent, request.last == 0xFFFFFF ? kept->sent : request.last + 1);
-    if (request.first < end) send_packets(*kept, request.first, end, Attempt::again, faults);
+    if (request.first < end) send_again(*kept, request.first, end, link);
     return;
   }
   ++counts_.packets_unavailable;
-  if (kept_.empty() || faults.silent) return;
-  Batch batch(kept_.back().destination);
-  batch.add(gvsp_unavailable(request.block, request.first));
-  batch.send(socket_, counts_);
+  if (kept_.empty() || link != Link::up) return;
+  Batch(socket_, kept_.back().destination, counts_).add(gvsp_unavailable(request.block, request.first));
 }
 
 void CameraStream::send_test_packet(Endpoint destination, std::size_t bytes) {
   const std::vector<std::uint8_t> filler(bytes);
-  const GvspPacket packet{.head = {}, .head_bytes = 0, .pixels = filler};
-  Batch batch(destination);
-  batch.add(packet);
-  batch.send(socket_, counts_);
+  Batch(socket_, destination, counts_).add({.head = {}, .head_bytes = 0, .pixels = filler});
 }
 
 }  // namespace rotunda::simulator

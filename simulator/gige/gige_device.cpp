@@ -1,6 +1,7 @@
 #include "simulator/gige/gige_device.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "simulator/gige/big_endian.h"
 #include "simulator/gige/gvsp.h"
@@ -18,7 +19,10 @@ constexpr nanoseconds kFreeRunBacklog = 1s;   // a process held up for longer do
 constexpr std::size_t kMaxPending = 16;       // scheduled exposures
 constexpr std::size_t kMaxErrands = 256;      // resend requests and test packets waiting for the sender
 constexpr std::uint32_t kExclusive = 1;       // control privilege: others may not even read
+constexpr std::uint32_t kControl = 2;         // control privilege: others may read
 constexpr std::uint32_t kLatch = 2;           // timestamp control
+constexpr std::uint32_t kMilliCelsius = 41'500;
+constexpr Endpoint kThief{.address = 0xC0000201, .port = 1};  // 192.0.2.1, for documentation: nobody sends from there
 
 std::vector<std::uint8_t> written(const GvcpCommand& command, GvcpStatus status, std::size_t count) {
   std::vector<std::uint8_t> payload(4);
@@ -29,17 +33,28 @@ std::vector<std::uint8_t> written(const GvcpCommand& command, GvcpStatus status,
 }  // namespace
 
 GigeDevice::GigeDevice(const GigeCameraOptions& options, PtpStatus ptp, std::uint16_t stream_source_port)
-    : registers_(options), ptp_(ptp) {
-  registers_.set(reg::kSourcePort, stream_source_port);
+    : options_(options), ptp_(ptp), stream_source_port_(stream_source_port), registers_(options) {
+  power_up();
+}
+
+void GigeDevice::power_up() {
+  registers_ = DeviceRegisters(options_);
+  registers_.set(reg::kSourcePort, stream_source_port_);
   registers_.set(reg::kPtpEnable, 1);
   registers_.set(reg::kPtpStatus, static_cast<std::uint32_t>(ptp_));
-  registers_.set(reg::kTemperature, 41'500);
+  registers_.set(reg::kTemperature, kMilliCelsius);
 }
 
 // --- commands ---------------------------------------------------------------------------------------------------
 
 std::optional<std::vector<std::uint8_t>> GigeDevice::handle(std::span<const std::uint8_t> datagram, Endpoint from,
                                                             Timestamp received) {
+  advance(received);
+  const auto wrong = faults_.in_force(received);
+  if (wrong.is_away()) {
+    if (wrong.silent) ++counts_.faults[FaultKind::silence];
+    return std::nullopt;
+  }
   const auto command = parse_gvcp(datagram);
   if (!command) return std::nullopt;
   if (controller_ == from) last_heard_ = received;
@@ -63,11 +78,11 @@ GigeDevice::Acknowledgement GigeDevice::answer(const GvcpCommand& command, Endpo
       note_resend(command);
       return std::nullopt;
     case GvcpOpcode::read_register:
-      return read_registers(command, from);
+      return read_registers(command, from, received);
     case GvcpOpcode::write_register:
       return write_registers(command, from, received);
     case GvcpOpcode::read_memory:
-      return read_memory(command, from);
+      return read_memory(command, from, received);
     case GvcpOpcode::write_memory:
       return write_memory(command, from, received);
     case GvcpOpcode::action:
@@ -76,7 +91,7 @@ GigeDevice::Acknowledgement GigeDevice::answer(const GvcpCommand& command, Endpo
   return gvcp_acknowledge(command, GvcpStatus::not_implemented);
 }
 
-GigeDevice::Acknowledgement GigeDevice::read_registers(const GvcpCommand& command, Endpoint from) {
+GigeDevice::Acknowledgement GigeDevice::read_registers(const GvcpCommand& command, Endpoint from, Timestamp received) {
   if (!may_read(from)) return gvcp_acknowledge(command, GvcpStatus::access_denied);
   if (command.payload.empty() || command.payload.size() % 4 != 0 || command.payload.size() > kGvcpMaxReadBytes)
     return gvcp_acknowledge(command, GvcpStatus::invalid_parameter);
@@ -87,11 +102,12 @@ GigeDevice::Acknowledgement GigeDevice::read_registers(const GvcpCommand& comman
     const auto word = registers_.read(address, 4);
     if (!word) return gvcp_acknowledge(command, GvcpStatus::invalid_address, values);
     values.insert(values.end(), word->begin(), word->end());
+    falsify(address, std::span{values}.last(4), received);
   }
   return gvcp_acknowledge(command, GvcpStatus::success, values);
 }
 
-GigeDevice::Acknowledgement GigeDevice::read_memory(const GvcpCommand& command, Endpoint from) {
+GigeDevice::Acknowledgement GigeDevice::read_memory(const GvcpCommand& command, Endpoint from, Timestamp received) {
   if (!may_read(from)) return gvcp_acknowledge(command, GvcpStatus::access_denied);
   if (command.payload.size() < 8) return gvcp_acknowledge(command, GvcpStatus::invalid_parameter);
   const auto address = load_be<std::uint32_t>(command.payload, 0);
@@ -103,6 +119,7 @@ GigeDevice::Acknowledgement GigeDevice::read_memory(const GvcpCommand& command, 
   if (!memory) return gvcp_acknowledge(command, GvcpStatus::invalid_address);
   std::vector<std::uint8_t> payload(command.payload.begin(), command.payload.begin() + 4);
   payload.insert(payload.end(), memory->begin(), memory->end());
+  falsify(address, std::span{payload}.subspan(4), received);
   return gvcp_acknowledge(command, GvcpStatus::success, payload);
 }
 
@@ -195,14 +212,16 @@ void GigeDevice::release_control() {
 }
 
 void GigeDevice::check_heartbeat(Timestamp now) {
-  if (!controller_ || now - last_heard_ < std::chrono::milliseconds{registers_.get(reg::kHeartbeatMs)}) return;
+  if (!controller_ || controller_ == kThief ||
+      now - last_heard_ < std::chrono::milliseconds{registers_.get(reg::kHeartbeatMs)})
+    return;
   ++counts_.lost_controllers;
   release_control();
 }
 
 void GigeDevice::react(std::uint32_t address, std::uint32_t value, Timestamp received) {
   const auto latch = [&] {
-    registers_.set64(reg::kTimestampHigh, static_cast<std::uint64_t>(received.time_since_epoch().count()));
+    registers_.set64(reg::kTimestampHigh, static_cast<std::uint64_t>(camera_time(received).time_since_epoch().count()));
   };
   switch (address) {
     case reg::kAcquisitionStart:
@@ -259,6 +278,7 @@ void GigeDevice::stop_acquisition() {
   next_free_run_.reset();
   last_start_.reset();
   pending_.clear();
+  heard_.clear();
 }
 
 // --- triggers ---------------------------------------------------------------------------------------------------
@@ -277,8 +297,9 @@ GvcpStatus GigeDevice::carry_out(const ActionCommand& action, Timestamp received
   if (!action.at) return trigger(TriggerSource::action1, received);
   if (registers_.get(reg::kPtpEnable) == 0) return GvcpStatus::no_reference_time;
   if (*action.at > received + kFurthestAction) return GvcpStatus::invalid_parameter;
-  const bool late = *action.at < received;
-  const auto status = trigger(TriggerSource::action1, late ? received : *action.at);
+  const Timestamp at = *action.at - faults_.clock_error(*action.at);  // when the camera's clock shows it
+  const bool late = at < received;
+  const auto status = trigger(TriggerSource::action1, late ? received : at);
   if (!late) return status;
   ++counts_.late_actions;
   return GvcpStatus::action_late;
@@ -289,14 +310,38 @@ void GigeDevice::line0_edge(Timestamp at) {
 }
 
 GvcpStatus GigeDevice::trigger(TriggerSource source, Timestamp at) {
-  if (!is_armed_for(source) || overlaps_another(at)) {
+  if (!is_armed_for(source) || was_heard(at) || overlaps_another(at)) {
     ++counts_.ignored_triggers;
     return GvcpStatus::success;
   }
   if (pending_.size() >= kMaxPending) return GvcpStatus::overflow;
   ++counts_.triggers;
-  pending_.insert(std::upper_bound(pending_.begin(), pending_.end(), at), at);
+  heard_.push_back(at);
+  if (heard_.size() > kMaxPending) heard_.pop_front();
+  const auto number = faults_.note_trigger(at);
+  const auto wrong = faults_.in_force(at);
+  if (wrong.missed_trigger.every != 0 && number % wrong.missed_trigger.every == 0) {
+    ++counts_.faults[FaultKind::missed_trigger];
+    return GvcpStatus::success;
+  }
+  counts_.faults[FaultKind::late_trigger] += wrong.late_trigger.by.count() != 0;
+  const Timestamp start = at + wrong.late_trigger.by;
+  expose(start);
+  const auto& doubled = wrong.doubled_trigger;
+  if (doubled.every != 0 && number % doubled.every == 0 && !overlaps_another(start + doubled.after)) {
+    ++counts_.faults[FaultKind::doubled_trigger];
+    expose(start + doubled.after);
+  }
   return GvcpStatus::success;
+}
+
+void GigeDevice::expose(Timestamp start) {
+  pending_.insert(std::upper_bound(pending_.begin(), pending_.end(), start), start);
+}
+
+// One action sent twice is one trigger, also if nothing came of the first.
+bool GigeDevice::was_heard(Timestamp at) const {
+  return std::find(heard_.begin(), heard_.end(), at) != heard_.end();
 }
 
 bool GigeDevice::is_armed_for(TriggerSource source) const {
@@ -345,6 +390,14 @@ void GigeDevice::skip_missed_free_run(Timestamp now) {
 }
 
 std::optional<DueFrame> GigeDevice::take_due(Timestamp now) {
+  advance(now);
+  for (;;) {
+    auto frame = next_frame(now);
+    if (!frame || !withholds(*frame)) return frame;
+  }
+}
+
+std::optional<DueFrame> GigeDevice::next_frame(Timestamp now) {
   skip_missed_free_run(now);
   const auto due = next_due();
   if (!due || *due > now) return std::nullopt;
@@ -353,6 +406,7 @@ std::optional<DueFrame> GigeDevice::take_due(Timestamp now) {
     pending_.pop_front();
   } else {
     *next_free_run_ += free_run_period();
+    faults_.note_trigger(start);
   }
   DueFrame frame = frame_at(start);
   if (frames_left_ && --*frames_left_ == 0) stop_acquisition();
@@ -362,16 +416,20 @@ std::optional<DueFrame> GigeDevice::take_due(Timestamp now) {
 DueFrame GigeDevice::frame_at(Timestamp start) {
   last_start_ = start;
   last_block_ = last_block_ == 65535 ? std::uint16_t{1} : static_cast<std::uint16_t>(last_block_ + 1);
+  const auto wrong = faults_.in_force(start);
+  counts_.faults[FaultKind::clock_drift] += wrong.clock_drifts;
   return {.block = last_block_,
           .exposure_start = start,
           .due = start + busy_time(),
           .exposure = exposure(),
+          .stamp = start + wrong.clock_error,
           .destination = stream_destination(),
           .packet_size = registers_.get(reg::kPacketSize) & kPacketSizeMask,
           .pixel_code = registers_.get(reg::kPixelFormat),
           .width = registers_.get(reg::kWidth),
           .height = registers_.get(reg::kHeight),
-          .packet_delay = nanoseconds{registers_.get(reg::kPacketDelay)}};
+          .packet_delay = nanoseconds{registers_.get(reg::kPacketDelay)},
+          .faults = wrong};
 }
 
 std::optional<ResendCommand> GigeDevice::take_resend() {
@@ -386,6 +444,70 @@ std::optional<TestPacket> GigeDevice::take_test_packet() {
   const auto packet = test_packets_.front();
   test_packets_.pop_front();
   return packet;
+}
+
+// --- faults -----------------------------------------------------------------------------------------------------
+
+void GigeDevice::advance(Timestamp now) {
+  for (const auto& edge : faults_.take_edges(now)) {
+    if (edge.kind == FaultKind::reboot && edge.begins) reboot();
+    if (edge.kind == FaultKind::control_stolen) edge.begins ? steal_control(edge.at) : return_control();
+    counts_.faults[FaultKind::over_temperature] += edge.kind == FaultKind::over_temperature && edge.begins;
+    counts_.faults[FaultKind::clock_step] += edge.kind == FaultKind::clock_step && edge.begins;
+  }
+}
+
+void GigeDevice::reboot() {
+  ++counts_.faults[FaultKind::reboot];
+  release_control();
+  power_up();
+}
+
+// As when the controller's heartbeat was held up and somebody else was quicker.
+void GigeDevice::steal_control(Timestamp at) {
+  ++counts_.faults[FaultKind::control_stolen];
+  release_control();
+  const auto theft = faults_.in_force(at).control_stolen;
+  controller_ = kThief;
+  registers_.set(reg::kControlPrivilege, theft && !theft->exclusive ? kControl : kExclusive);
+}
+
+void GigeDevice::return_control() {
+  if (controller_ == kThief) release_control();
+}
+
+std::uint32_t GigeDevice::temperature(Timestamp at) const {
+  const auto wrong = faults_.in_force(at);
+  const double usual = registers_.get(reg::kTemperature);
+  if (!wrong.heat) return static_cast<std::uint32_t>(usual);
+  const double risen = usual + (wrong.heat->fault.celsius * 1000.0 - usual) * wrong.heat->progress;
+  return static_cast<std::uint32_t>(std::lround(std::max(0.0, risen)));
+}
+
+// What a client reads of `memory`, which lies at `address`, instead of what is there.
+void GigeDevice::falsify(std::uint32_t address, std::span<std::uint8_t> memory, Timestamp at) {
+  const auto tell = [&](std::uint32_t where, std::uint32_t value) {
+    if (where >= address && where - address < memory.size()) store_be(memory, where - address, value);
+  };
+  const auto wrong = faults_.in_force(at);
+  if (wrong.heat) tell(reg::kTemperature, temperature(at));
+  const auto change = wrong.wrong_payload_size.register_change;
+  if (change == 0 || reg::kPayloadSize < address || reg::kPayloadSize - address >= memory.size()) return;
+  ++counts_.faults[FaultKind::wrong_payload_size];
+  tell(reg::kPayloadSize,
+       static_cast<std::uint32_t>(std::max<std::int64_t>(0, registers_.get(reg::kPayloadSize) + change)));
+}
+
+// Frames that are exposed and never leave.
+bool GigeDevice::withholds(const DueFrame& frame) {
+  const auto& wrong = frame.faults;
+  const bool too_hot = wrong.heat && wrong.heat->fault.stops_at &&
+                       temperature(frame.exposure_start) >= *wrong.heat->fault.stops_at * 1000.0;
+  if (wrong.stalled)
+    ++counts_.faults[FaultKind::stall];
+  else if (too_hot)
+    ++counts_.faults[FaultKind::over_temperature];
+  return wrong.stalled || too_hot;
 }
 
 }  // namespace rotunda::simulator

@@ -7,6 +7,8 @@
 //   moment the kernel received the datagram (software trigger, immediate action), the frame-rate grid in free run.
 //   A scheduled action that arrives after its time is acknowledged with 0x8016 and carried out at once, as Basler's
 //   cameras do; its exposure starts when it was received.
+//   Clock: what the camera stamps, latches and schedules by is true time plus what its faults make of it.
+//   Faults: those that concern the camera itself happen here, by its FaultSchedule; each frame takes along the rest.
 #include <chrono>
 #include <cstdint>
 #include <deque>
@@ -16,6 +18,7 @@
 
 #include "simulator/gige/camera_options.h"
 #include "simulator/gige/device_registers.h"
+#include "simulator/gige/fault_schedule.h"
 #include "simulator/gige/gvcp.h"
 #include "simulator/gige/udp_socket.h"
 
@@ -26,9 +29,11 @@ struct DueFrame {
   std::uint16_t block = 0;
   capture::Timestamp exposure_start, due;
   std::chrono::nanoseconds exposure{};  // how long the shutter stays open
-  Endpoint destination;  // port 0: nobody asked for the stream
+  capture::Timestamp stamp;             // exposure_start by the camera's clock
+  Endpoint destination;                 // port 0: nobody asked for the stream
   std::uint32_t packet_size = 0, pixel_code = 0, width = 0, height = 0;
   std::chrono::nanoseconds packet_delay{};
+  GigeFaults faults;  // in force when its exposure started
 };
 
 struct TestPacket {
@@ -43,6 +48,7 @@ struct DeviceCounts {
   std::uint64_t resend_requests = 0;
   std::uint64_t denied = 0;            // commands refused with 0x8006
   std::uint64_t lost_controllers = 0;  // heartbeats that stopped
+  FaultCounts faults;
 };
 
 class GigeDevice {
@@ -56,6 +62,8 @@ class GigeDevice {
   void line0_edge(capture::Timestamp at);
   // Frees the control of a client not heard for its heartbeat timeout. Call once all that was received is handled.
   void check_heartbeat(capture::Timestamp now);
+  // Lets the faults begin and end whose time has come. handle() and take_due() do so too.
+  void advance(capture::Timestamp now);
 
   std::optional<capture::Timestamp> next_due() const;
   std::optional<DueFrame> take_due(capture::Timestamp now);
@@ -66,17 +74,28 @@ class GigeDevice {
   bool has_controller() const { return controller_.has_value(); }
   bool is_acquiring() const { return acquiring_; }
   const DeviceCounts& counts() const { return counts_; }
+  FaultSchedule& faults() { return faults_; }
+  const FaultSchedule& faults() const { return faults_; }
 
  private:
   using Acknowledgement = std::optional<std::vector<std::uint8_t>>;
   Acknowledgement answer(const GvcpCommand& command, Endpoint from, capture::Timestamp received);
-  Acknowledgement read_registers(const GvcpCommand& command, Endpoint from);
-  Acknowledgement read_memory(const GvcpCommand& command, Endpoint from);
+  Acknowledgement read_registers(const GvcpCommand& command, Endpoint from, capture::Timestamp received);
+  Acknowledgement read_memory(const GvcpCommand& command, Endpoint from, capture::Timestamp received);
   Acknowledgement write_registers(const GvcpCommand& command, Endpoint from, capture::Timestamp received);
   Acknowledgement write_memory(const GvcpCommand& command, Endpoint from, capture::Timestamp received);
   Acknowledgement force_ip(const GvcpCommand& command) const;
   Acknowledgement act(const GvcpCommand& command, capture::Timestamp received);
   void note_resend(const GvcpCommand& command);
+
+  void power_up();
+  void reboot();
+  void steal_control(capture::Timestamp at);
+  void return_control();
+  void falsify(std::uint32_t address, std::span<std::uint8_t> memory, capture::Timestamp at);
+  std::uint32_t temperature(capture::Timestamp at) const;
+  bool withholds(const DueFrame& frame);
+  capture::Timestamp camera_time(capture::Timestamp at) const { return at + faults_.clock_error(at); }
 
   bool may_read(Endpoint from) const;
   GvcpStatus write_word(std::uint32_t address, std::uint32_t value, Endpoint from, capture::Timestamp received);
@@ -89,17 +108,23 @@ class GigeDevice {
 
   GvcpStatus carry_out(const ActionCommand& action, capture::Timestamp received);
   GvcpStatus trigger(TriggerSource source, capture::Timestamp at);
+  void expose(capture::Timestamp start);
+  bool was_heard(capture::Timestamp at) const;
   bool is_armed_for(TriggerSource source) const;
   bool overlaps_another(capture::Timestamp start) const;
   void skip_missed_free_run(capture::Timestamp now);
   DueFrame frame_at(capture::Timestamp start);
+  std::optional<DueFrame> next_frame(capture::Timestamp now);
   std::chrono::nanoseconds exposure() const;
   std::chrono::nanoseconds busy_time() const;  // exposure and readout
   std::chrono::nanoseconds free_run_period() const;
   Endpoint stream_destination() const;
 
-  DeviceRegisters registers_;
+  GigeCameraOptions options_;
   PtpStatus ptp_;
+  std::uint16_t stream_source_port_;
+  DeviceRegisters registers_;
+  FaultSchedule faults_;
   std::optional<Endpoint> controller_;
   capture::Timestamp last_heard_;
   bool acquiring_ = false;
@@ -108,6 +133,7 @@ class GigeDevice {
   std::optional<capture::Timestamp> next_free_run_;  // while free running
   std::optional<capture::Timestamp> last_start_;
   std::deque<capture::Timestamp> pending_;  // triggered exposures, ascending
+  std::deque<capture::Timestamp> heard_;    // the last triggers, whatever became of them
   std::deque<ResendCommand> resends_;
   std::deque<TestPacket> test_packets_;
   struct {

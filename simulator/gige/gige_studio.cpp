@@ -13,6 +13,7 @@
 #include <atomic>
 #include <cerrno>
 #include <condition_variable>
+#include <deque>
 #include <mutex>
 #include <optional>
 #include <set>
@@ -32,6 +33,7 @@ using capture::Timestamp;
 using namespace std::chrono_literals;
 
 constexpr auto kLongestWait = 100ms;  // both threads look at the clock at least this often
+constexpr std::size_t kMaxSlowAnswers = 256;
 constexpr std::uint32_t kLimitedBroadcast = INADDR_BROADCAST;
 constexpr std::uint32_t kLoopbackBroadcast = 0x7FFFFFFF;  // 127.255.255.255
 
@@ -93,12 +95,28 @@ void check(int result, const char* what) {
   if (result < 0) throw std::system_error(errno, std::generic_category(), what);
 }
 
+bool is_of_registers(std::span<const std::uint8_t> datagram) {
+  const auto command = parse_gvcp(datagram);
+  return command && command->opcode >= GvcpOpcode::read_register && command->opcode <= GvcpOpcode::write_memory;
+}
+
+CameraStream::Link link_of(const GigeFaults& faults) {
+  if (faults.silent) return CameraStream::Link::silent;
+  return faults.rebooting ? CameraStream::Link::rebooting : CameraStream::Link::up;
+}
+
 struct EpollHandle {
   int fd = epoll_create1(EPOLL_CLOEXEC);
   EpollHandle() = default;
   EpollHandle(const EpollHandle&) = delete;
   EpollHandle& operator=(const EpollHandle&) = delete;
   ~EpollHandle() { close(fd); }
+};
+
+struct SlowAnswer {
+  Timestamp when;
+  std::vector<std::uint8_t> acknowledgement;
+  Endpoint to;
 };
 
 struct Camera {
@@ -118,7 +136,8 @@ struct Camera {
   UdpSocket control, stream;
   // Shared by both threads, under the studio's mutex:
   GigeDevice device;
-  GigeFaults faults;
+  std::deque<SlowAnswer> slow_answers;  // in order of time
+  FaultCounts faults;                   // those that fire here
   StreamCounts sent;
   std::uint64_t missing_pictures = 0;
 };
@@ -128,7 +147,7 @@ struct Errands {
   std::vector<DueFrame> frames;
   std::vector<ResendCommand> resends;
   std::vector<TestPacket> test_packets;
-  GigeFaults faults;
+  CameraStream::Link link = CameraStream::Link::up;
 };
 
 }  // namespace
@@ -157,15 +176,18 @@ struct GigeStudio::Impl {
   void control_loop();
   void drain(UdpSocket& socket, std::span<Camera> hearers);
   void hand_to(Camera& camera, std::span<const std::uint8_t> datagram, const UdpSocket::Received& received);
+  std::chrono::nanoseconds send_slow_answers(Timestamp now);
   std::optional<Timestamp> next_due() const;
   void wake_sender_if_needed(std::optional<Timestamp> due_before);
 
   void sender_loop();
   std::vector<Errands> collect(Timestamp now);
   void run(std::size_t camera, const Errands& errands);
-  void send_frame(std::size_t camera, const DueFrame& frame, const GigeFaults& faults);
+  void send_frame(std::size_t camera, const DueFrame& frame);
   void send_bursts(const std::vector<Errands>& errands);
   void publish_and_wait();
+
+  GigeDevice& device(std::size_t camera);  // throws InvalidInput for one that is not there
 
   PictureAt picture_at;
   OnExposure on_exposure;
@@ -188,9 +210,10 @@ struct GigeStudio::Impl {
 void GigeStudio::Impl::control_loop() {
   prctl(PR_SET_NAME, "gige-control");
   std::array<epoll_event, 16> events{};
+  std::chrono::nanoseconds wait = kLongestWait;
   while (!control_stopping) {
     const int ready = epoll_wait(poll.fd, events.data(), static_cast<int>(events.size()),
-                                 static_cast<int>(std::chrono::milliseconds{kLongestWait}.count()));
+                                 static_cast<int>(std::chrono::ceil<std::chrono::milliseconds>(wait).count()));
     const Timestamp now = RigClock::now();
     for (int i = 0; i < ready; ++i) {
       const std::size_t number = events[static_cast<std::size_t>(i)].data.u64;
@@ -200,8 +223,11 @@ void GigeStudio::Impl::control_loop() {
         drain(broadcasts[number - cameras.size()], cameras);
     }
     const std::scoped_lock lock(mutex);
-    if (ready < static_cast<int>(events.size()))
-      for (auto& camera : cameras) camera.device.check_heartbeat(now);
+    wait = send_slow_answers(now);
+    for (auto& camera : cameras) {
+      camera.device.advance(now);
+      if (ready < static_cast<int>(events.size())) camera.device.check_heartbeat(now);
+    }
   }
 }
 
@@ -217,9 +243,28 @@ void GigeStudio::Impl::drain(UdpSocket& socket, std::span<Camera> hearers) {
 
 void GigeStudio::Impl::hand_to(Camera& camera, std::span<const std::uint8_t> datagram,
                                const UdpSocket::Received& received) {
-  if (camera.faults.silent) return;
-  if (const auto acknowledgement = camera.device.handle(datagram, received.from, received.at))
+  auto acknowledgement = camera.device.handle(datagram, received.from, received.at);
+  if (!acknowledgement) return;
+  const auto delay = camera.device.faults().in_force(received.at).slow_registers.by;
+  if (delay.count() == 0 || !is_of_registers(datagram)) {
     camera.control.send(*acknowledgement, received.from);
+  } else if (camera.slow_answers.size() < kMaxSlowAnswers) {
+    ++camera.faults[FaultKind::slow_registers];
+    camera.slow_answers.push_back({received.at + delay, std::move(*acknowledgement), received.from});
+  }
+}
+
+// The answers whose time has come; how long epoll may wait for the next.
+std::chrono::nanoseconds GigeStudio::Impl::send_slow_answers(Timestamp now) {
+  std::chrono::nanoseconds wait = kLongestWait;
+  for (auto& camera : cameras) {
+    auto& waiting = camera.slow_answers;
+    for (; !waiting.empty() && waiting.front().when <= now; waiting.pop_front())
+      if (!camera.device.faults().in_force(now).is_away())
+        camera.control.send(waiting.front().acknowledgement, waiting.front().to);
+    if (!waiting.empty()) wait = std::min(wait, waiting.front().when - now);
+  }
+  return wait;
 }
 
 std::optional<Timestamp> GigeStudio::Impl::next_due() const {
@@ -262,7 +307,7 @@ std::vector<Errands> GigeStudio::Impl::collect(Timestamp now) {
   all.reserve(cameras.size());
   for (auto& camera : cameras) {
     auto& errands = all.emplace_back();
-    errands.faults = camera.faults;
+    errands.link = link_of(camera.device.faults().in_force(now));
     while (const auto frame = camera.device.take_due(now)) errands.frames.push_back(*frame);
     while (const auto request = camera.device.take_resend()) errands.resends.push_back(*request);
     while (const auto packet = camera.device.take_test_packet()) errands.test_packets.push_back(*packet);
@@ -272,12 +317,12 @@ std::vector<Errands> GigeStudio::Impl::collect(Timestamp now) {
 
 void GigeStudio::Impl::run(std::size_t camera, const Errands& errands) {
   for (const auto& packet : errands.test_packets)
-    if (!errands.faults.silent) streams[camera].send_test_packet(packet.destination, packet.bytes);
-  for (const auto& request : errands.resends) streams[camera].resend(request, errands.faults);
-  for (const auto& frame : errands.frames) send_frame(camera, frame, errands.faults);
+    if (errands.link == CameraStream::Link::up) streams[camera].send_test_packet(packet.destination, packet.bytes);
+  for (const auto& request : errands.resends) streams[camera].resend(request, errands.link);
+  for (const auto& frame : errands.frames) send_frame(camera, frame);
 }
 
-void GigeStudio::Impl::send_frame(std::size_t camera, const DueFrame& frame, const GigeFaults& faults) {
+void GigeStudio::Impl::send_frame(std::size_t camera, const DueFrame& frame) {
   if (frame.destination.port == 0) return;
   streams[camera].make_room();
   std::span<const std::uint8_t> pixels;
@@ -291,13 +336,13 @@ void GigeStudio::Impl::send_frame(std::size_t camera, const DueFrame& frame, con
     return;
   }
   streams[camera].add({.block = frame.block,
-                       .exposure_start = frame.exposure_start,
+                       .exposure_start = frame.stamp,
                        .pixel_code = frame.pixel_code,
                        .width = frame.width,
                        .height = frame.height,
                        .packet_size = frame.packet_size,
                        .pixels = pixels},
-                      frame.destination, frame.packet_delay, frame.due + faults.late);
+                      frame.destination, frame.packet_delay, frame.due, frame.faults);
   if (on_exposure)
     on_exposure({.camera = camera, .block = frame.block, .start = frame.exposure_start, .duration = frame.exposure});
 }
@@ -307,7 +352,7 @@ void GigeStudio::Impl::send_bursts(const std::vector<Errands>& errands) {
   const Timestamp now = RigClock::now();
   for (bool sent = true; sent;) {
     sent = false;
-    for (std::size_t i = 0; i < streams.size(); ++i) sent |= streams[i].send_due(now, errands[i].faults);
+    for (std::size_t i = 0; i < streams.size(); ++i) sent |= streams[i].send_due(now, errands[i].link);
   }
 }
 
@@ -359,10 +404,14 @@ std::size_t GigeStudio::size() const {
 }
 
 std::vector<GigeStats> GigeStudio::stats() const {
+  const Timestamp now = RigClock::now();
   const std::scoped_lock lock(impl_->mutex);
   std::vector<GigeStats> all;
   for (const auto& camera : impl_->cameras) {
     const auto& heard = camera.device.counts();
+    FaultCounts fired = heard.faults;
+    fired += camera.sent.faults;
+    fired += camera.faults;
     all.push_back({.frames_sent = camera.sent.frames_sent,
                    .missing_pictures = camera.missing_pictures,
                    .packets_sent = camera.sent.packets_sent,
@@ -377,19 +426,43 @@ std::vector<GigeStats> GigeStudio::stats() const {
                    .denied = heard.denied,
                    .lost_controllers = heard.lost_controllers,
                    .has_controller = camera.device.has_controller(),
-                   .is_acquiring = camera.device.is_acquiring()});
+                   .is_acquiring = camera.device.is_acquiring(),
+                   .faults = fired,
+                   .in_force = camera.device.faults().kinds_in_force(now)});
   }
   return all;
 }
 
+GigeDevice& GigeStudio::Impl::device(std::size_t camera) {
+  if (camera >= cameras.size())
+    throw InvalidInput(fmt::format("there is no simulated camera {} of {}", camera, cameras.size()));
+  return cameras[camera].device;
+}
+
 void GigeStudio::set_faults(std::size_t camera, const GigeFaults& faults) {
-  if (camera >= size()) throw InvalidInput(fmt::format("there is no simulated camera {} of {}", camera, size()));
   const std::scoped_lock lock(impl_->mutex);
-  impl_->cameras[camera].faults = faults;
+  impl_->device(camera).faults().set_standing(faults);
 }
 
 void GigeStudio::set_faults(const GigeFaults& faults) {
   for (std::size_t i = 0; i < size(); ++i) set_faults(i, faults);
+}
+
+void GigeStudio::add_fault(std::size_t camera, const Fault& fault, Timestamp from) {
+  const std::scoped_lock lock(impl_->mutex);
+  if (!impl_->device(camera).faults().add(fault, from))
+    throw InvalidInput(fmt::format("{}: {} faults are scheduled already; clear some first", impl_->cameras[camera].name,
+                                   FaultSchedule::kMaxFaults));
+}
+
+void GigeStudio::clear_faults(std::size_t camera) {
+  const std::scoped_lock lock(impl_->mutex);
+  impl_->device(camera).faults().clear();
+}
+
+void GigeStudio::seed_faults(std::uint64_t seed) {
+  const std::scoped_lock lock(impl_->mutex);
+  for (auto& camera : impl_->cameras) camera.device.faults().set_seed(seed);
 }
 
 void GigeStudio::line0_edge(Timestamp at) {

@@ -9,7 +9,7 @@
 
 #include "capture/frame.h"
 #include "simulator/gige/camera_options.h"
-#include "simulator/gige/faults.h"
+#include "simulator/gige/fault_schedule.h"
 
 namespace rotunda::simulator {
 
@@ -39,6 +39,8 @@ struct GigeStats {
   std::uint64_t denied = 0;            // commands of others than the controller
   std::uint64_t lost_controllers = 0;  // heartbeats that stopped
   bool has_controller = false, is_acquiring = false;
+  FaultCounts faults;               // how often each kind fired
+  std::vector<FaultKind> in_force;  // of those that were added
 };
 
 struct GigeStudioOptions {
@@ -62,9 +64,14 @@ class GigeStudio {
   // All of these may be called from any thread at any time.
   std::size_t size() const;
   std::vector<GigeStats> stats() const;
-  void set_faults(std::size_t camera, const GigeFaults& faults);  // throws InvalidInput for a camera that is not there
+  // Faults; all throw InvalidInput for a camera that is not there.
+  void set_faults(std::size_t camera, const GigeFaults& faults);  // from now on, beside those that were added
   void set_faults(const GigeFaults& faults);                      // of all cameras
-  void line0_edge(capture::Timestamp at);                         // the trigger line all cameras hang on
+  // Throws InvalidInput also if the camera has FaultSchedule::kMaxFaults of them.
+  void add_fault(std::size_t camera, const Fault& fault, capture::Timestamp from);
+  void clear_faults(std::size_t camera);
+  void seed_faults(std::uint64_t seed);
+  void line0_edge(capture::Timestamp at);  // the trigger line all cameras hang on
 
  private:
   struct Impl;

@@ -139,7 +139,7 @@ TEST_F(GigeCaptureTest, FiveScheduledTriggersOfTenCamerasAreFiveCompleteSetsExac
 
 TEST_F(GigeCaptureTest, ResendsMakeEveryFrameWholeWhenOnePacketInAHundredIsLost) {
   tests::TestStudio studio({.cameras = 2, .width = 320, .height = 240});
-  (*studio).set_faults({.packet_loss = 0.01, .seed = 7});
+  (*studio).set_faults({.seed = 7, .packet_loss = {.rate = 0.01}});
   auto settings = settings_of_all(studio);
   for (auto& camera : settings) camera.packet_size = 600;  // some 140 packets a frame
   Rig rig(settings);
@@ -169,7 +169,7 @@ TEST_F(GigeCaptureTest, AFrameThatLostPacketsForGoodIsToldWithItsTime) {
   source->arm();
   BoundedQueue<IncompleteFrame> incomplete(10);
   source->start([](Frame&&) {}, [&](const IncompleteFrame& frame) { incomplete.try_push(frame); });
-  (*studio).set_faults({.packet_loss = 0.9, .seed = 3});
+  (*studio).set_faults({.seed = 3, .packet_loss = {.rate = 0.9}});
   for (int i = 0; i < 4; ++i) {
     source->software_trigger();
     std::this_thread::sleep_for(250ms);

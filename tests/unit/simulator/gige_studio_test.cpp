@@ -116,7 +116,7 @@ TEST_F(GigeStudioTest, FreeRunKeepsTheFrameRateExactly) {
 
 TEST_F(GigeStudioTest, ResendCompletesEveryFrameUnderOnePercentLoss) {
   TestStudio studio({.cameras = 2, .width = 640, .height = 480});  // 212 packets a frame
-  (*studio).set_faults({.packet_loss = 0.01, .seed = 3});
+  (*studio).set_faults({.seed = 3, .packet_loss = {.rate = 0.01}});
   std::vector<std::unique_ptr<AravisClient>> clients;
   for (std::size_t i = 0; i < 2; ++i) {
     clients.push_back(std::make_unique<AravisClient>(studio.address(i), kPacketSize));
@@ -237,7 +237,7 @@ TEST_F(GigeStudioTest, ASilentCameraIsLostWhileTheOthersGoOnAndComesBack) {
 
 TEST_F(GigeStudioTest, LateFramesKeepTheStampOfTheirLineEdge) {
   TestStudio studio({.cameras = 1});
-  (*studio).set_faults({.late = 300ms});
+  (*studio).set_faults({.late_frames = {300ms}});
   AravisClient client(studio.address(0), kPacketSize);
   client.trigger_by("Line0");
   client.start();
