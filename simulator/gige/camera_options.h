@@ -5,6 +5,7 @@
 #include <string>
 
 #include "capture/frame.h"
+#include "simulator/gige/camera_clock.h"
 
 namespace rotunda::simulator {
 
@@ -16,6 +17,7 @@ struct GigeCameraOptions {
   int width = 720, height = 576;                               // pixels
   capture::PixelFormat format = capture::PixelFormat::bayer_rg8;
   double exposure_us = 5000.0;  // at power-up; clients may change it
+  CameraClockOptions clock;
 };
 
 }  // namespace rotunda::simulator

@@ -32,14 +32,17 @@ class CameraStream::Batch {
   void add(const GvspPacket& packet) {
     packets_[size_] = packet;
     auto& kept = packets_[size_];
-    pieces_[size_] = {iovec{kept.head.data(), kept.head_bytes},
-                      iovec{const_cast<std::uint8_t*>(packet.pixels.data()), packet.pixels.size()}};
+    auto& pieces = pieces_[size_];
+    std::size_t count = 0;
+    pieces[count++] = {kept.head.data(), kept.head_bytes};
+    for (const auto part : {packet.pixels, packet.chunks})
+      if (!part.empty()) pieces[count++] = {const_cast<std::uint8_t*>(part.data()), part.size()};
     messages_[size_] = {};
     auto& header = messages_[size_].msg_hdr;
     header.msg_name = &to_;
     header.msg_namelen = sizeof to_;
     header.msg_iov = pieces_[size_].data();
-    header.msg_iovlen = packet.pixels.empty() ? 1 : 2;
+    header.msg_iovlen = count;
     if (++size_ == kBatch) send();
   }
 
@@ -61,7 +64,7 @@ class CameraStream::Batch {
   sockaddr_in to_{};
   std::uint32_t size_ = 0;
   std::array<GvspPacket, kBatch> packets_;
-  std::array<std::array<iovec, 2>, kBatch> pieces_;
+  std::array<std::array<iovec, 3>, kBatch> pieces_;
   std::array<mmsghdr, kBatch> messages_;
 };
 
@@ -213,13 +216,13 @@ void CameraStream::resend(const ResendCommand& request, Link link) {
                                  [&](const KeptFrame& each) { return each.frame.block == request.block; });
   if (kept != kept_.rend()) {
     // What had no turn yet comes anyhow.
-    const std::uint32_t end = std::min(kept->sent, request.last == 0xFFFFFF ? kept->sent : request.last + 1);
+    const std::uint32_t end = std::min(kept->sent, request.to_the_end() ? kept->sent : request.last + 1);
     if (request.first < end) send_again(*kept, request.first, end, link);
     return;
   }
   ++counts_.packets_unavailable;
   if (kept_.empty() || link != Link::up) return;
-  Batch(socket_, kept_.back().destination, counts_).add(gvsp_unavailable(request.block, request.first));
+  Batch(socket_, kept_.back().destination, counts_).add(gvsp_unavailable(request));
 }
 
 void CameraStream::send_test_packet(Endpoint destination, std::size_t bytes) {

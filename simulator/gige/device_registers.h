@@ -43,7 +43,6 @@ inline constexpr std::uint32_t kXml = 0x200000;
 
 enum class AcquisitionMode : std::uint32_t { continuous = 0, single_frame = 1, multi_frame = 2 };
 enum class TriggerSource : std::uint32_t { software = 0, line0 = 1, action1 = 2 };
-enum class PtpStatus : std::uint32_t { disabled = 3, master = 6, slave = 9 };  // IEEE 1588 port states
 
 inline constexpr std::uint32_t kFireTestPacket = 1U << 31, kDoNotFragment = 1U << 30, kPacketSizeMask = 0xFFFF;
 

@@ -87,6 +87,8 @@ GigeDevice::Acknowledgement GigeDevice::answer(const GvcpCommand& command, Endpo
       return write_memory(command, from, received);
     case GvcpOpcode::action:
       return act(command, received);
+    case GvcpOpcode::pending:
+      break;
   }
   return gvcp_acknowledge(command, GvcpStatus::not_implemented);
 }

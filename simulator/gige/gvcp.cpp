@@ -54,10 +54,14 @@ std::optional<ForceIpCommand> parse_force_ip(const GvcpCommand& command) {
 }
 
 std::optional<ResendCommand> parse_resend(const GvcpCommand& command) {
-  if (command.payload.size() < 12) return std::nullopt;
-  return ResendCommand{.block = load_be<std::uint16_t>(command.payload, 2),
-                       .first = load_be<std::uint32_t>(command.payload, 4) & kPacketIdMask,
-                       .last = load_be<std::uint32_t>(command.payload, 8) & kPacketIdMask};
+  const bool extended = (command.flags & kExtendedIdRequest) != 0;
+  if (command.payload.size() < (extended ? 20U : 12U)) return std::nullopt;
+  const std::uint32_t mask = extended ? 0xFFFFFFFF : kPacketIdMask;
+  return ResendCommand{
+      .block = extended ? load_be<std::uint64_t>(command.payload, 12) : load_be<std::uint16_t>(command.payload, 2),
+      .first = load_be<std::uint32_t>(command.payload, 4) & mask,
+      .last = load_be<std::uint32_t>(command.payload, 8) & mask,
+      .extended_ids = extended};
 }
 
 std::vector<std::uint8_t> gvcp_command(GvcpOpcode opcode, std::uint8_t flags, std::uint16_t id,
@@ -70,6 +74,13 @@ std::vector<std::uint8_t> gvcp_acknowledge(const GvcpCommand& command, GvcpStatu
                                            std::span<const std::uint8_t> payload) {
   const auto opcode = static_cast<std::uint16_t>(static_cast<std::uint16_t>(command.opcode) + 1);
   return datagram_of(static_cast<std::uint16_t>(status), opcode, command.id, payload);
+}
+
+std::vector<std::uint8_t> gvcp_pending(const GvcpCommand& command, std::chrono::milliseconds time) {
+  std::vector<std::uint8_t> payload(4);
+  const auto told = std::clamp<std::int64_t>(time.count(), 0, 0xFFFF);
+  store_be(std::span{payload}, 2, static_cast<std::uint16_t>(told));
+  return gvcp_acknowledge({.opcode = GvcpOpcode::pending, .id = command.id}, GvcpStatus::success, payload);
 }
 
 }  // namespace rotunda::simulator

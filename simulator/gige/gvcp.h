@@ -2,6 +2,7 @@
 // GigE Vision Control Protocol: datagrams in, datagrams out. Pure; all fields big-endian (GigE Vision 2.x, GVCP).
 // Command header, 8 bytes: 0x42, flags, u16 command, u16 payload length, u16 request id.
 // Acknowledge header, 8 bytes: u16 status, u16 command + 1, u16 payload length, u16 request id echoed.
+#include <chrono>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -23,6 +24,7 @@ enum class GvcpOpcode : std::uint16_t {
   write_register = 0x0082,
   read_memory = 0x0084,
   write_memory = 0x0086,
+  pending = 0x0088,  // only its acknowledgement exists: PENDING_ACK, 0x0089
   action = 0x0100,
 };
 
@@ -41,6 +43,7 @@ enum class GvcpStatus : std::uint16_t {
 
 inline constexpr std::uint8_t kAckWanted = 0x01;
 inline constexpr std::uint8_t kScheduledAction = 0x80;
+inline constexpr std::uint8_t kExtendedIdRequest = 0x10;  // PACKETRESEND: of a stream with extended ids
 
 // A view of one command; `payload` points into the datagram.
 struct GvcpCommand {
@@ -63,8 +66,11 @@ struct ForceIpCommand {
 };
 
 struct ResendCommand {
-  std::uint16_t block = 0;
-  std::uint32_t first = 0, last = 0;  // packet ids, 24 bits, both included
+  std::uint64_t block = 0;
+  std::uint32_t first = 0, last = 0;  // packet ids, both included; 24 bits unless extended
+  bool extended_ids = false;
+
+  bool to_the_end() const { return last == (extended_ids ? 0xFFFFFFFF : 0x00FFFFFF); }
 };
 
 // Nothing if this is no GVCP command: short, wrong key, or a length field that promises more than came.
@@ -78,5 +84,7 @@ std::vector<std::uint8_t> gvcp_command(GvcpOpcode opcode, std::uint8_t flags, st
                                        std::span<const std::uint8_t> payload);
 std::vector<std::uint8_t> gvcp_acknowledge(const GvcpCommand& command, GvcpStatus status,
                                            std::span<const std::uint8_t> payload = {});
+// PENDING_ACK: the acknowledgement of `command` will take about so long.
+std::vector<std::uint8_t> gvcp_pending(const GvcpCommand& command, std::chrono::milliseconds time);
 
 }  // namespace rotunda::simulator

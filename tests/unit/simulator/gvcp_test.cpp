@@ -44,6 +44,22 @@ TEST(Gvcp, ReadsAResendRequestWith24BitPacketIds) {
   EXPECT_EQ(request->last, 256U);
 }
 
+TEST(Gvcp, ReadsAResendRequestWithExtendedIds) {
+  const Bytes datagram{0x42, 0x10, 0x00, 0x40, 0x00, 0x14, 0x00, 0x05, 0, 0, 0, 0, 0x01, 0,
+                       0,    0x07, 0xFF, 0xFF, 0xFF, 0xFF, 0,    0,    0, 1, 0, 0, 0,    2};
+  const auto request = parse_resend(*parse_gvcp(datagram));
+  ASSERT_TRUE(request);
+  EXPECT_EQ(request->block, 0x100000002U);
+  EXPECT_EQ(request->first, 0x01000007U);
+  EXPECT_TRUE(request->to_the_end());
+  EXPECT_TRUE(request->extended_ids);
+}
+
+TEST(Gvcp, SaysHowLongAnAcknowledgementWillTake) {
+  EXPECT_THAT(gvcp_pending({.opcode = GvcpOpcode::write_register, .id = 0xBEEF}, std::chrono::milliseconds{1200}),
+              ElementsAre(0, 0, 0x00, 0x89, 0x00, 0x04, 0xBE, 0xEF, 0, 0, 0x04, 0xB0));
+}
+
 TEST(Gvcp, TakesNoDatagramThatPromisesMoreThanItBrings) {
   const Bytes whole = gvcp_command(GvcpOpcode::action, kAckWanted | kScheduledAction, 1, Bytes(20));
   for (std::size_t size = 0; size < whole.size(); ++size)

@@ -70,7 +70,50 @@ TEST(Gvsp, FramesThatFillTheirPacketsExactlyHaveNoEmptyPacket) {
 }
 
 TEST(Gvsp, SaysThatAPacketIsGone) {
-  EXPECT_EQ(head_of(gvsp_unavailable(9, 0x010203)), (Bytes{0x80, 0x0C, 0, 9, 3, 1, 2, 3}));
+  EXPECT_EQ(head_of(gvsp_unavailable({.block = 9, .first = 0x010203})), (Bytes{0x80, 0x0C, 0, 9, 3, 1, 2, 3}));
+}
+
+TEST(Gvsp, ExtendedIdsTake64BitBlocksAnd32BitPackets) {
+  SmallFrame small;
+  small.frame.extended_ids = true;
+  small.frame.block = 0x0102030405060708;
+  const Bytes header{0, 0, 0, 0, 0x81, 0, 0, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 0, 0, 0};
+  const auto leader = gvsp_packet(small.frame, 0);
+  EXPECT_EQ(leader.head_bytes, 56U);
+  EXPECT_TRUE(std::equal(header.begin(), header.end(), leader.head.begin()));
+  EXPECT_EQ(packet_count(small.frame), 5U);  // 528 + 528 + 144
+  const auto second = gvsp_packet(small.frame, 2);
+  EXPECT_EQ(second.head_bytes, 20U);
+  EXPECT_EQ(second.head[4], 0x83);
+  EXPECT_EQ(second.head[19], 2);
+  EXPECT_EQ(second.pixels.size() + kGvspExtendedOverhead, small.frame.packet_size);
+  const auto gone = gvsp_unavailable({.block = 1, .first = 5, .last = 5, .extended_ids = true});
+  EXPECT_EQ(head_of(gone), (Bytes{0x80, 0x0C, 0, 0, 0x83, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 5}));
+}
+
+TEST(Gvsp, ChunksFollowThePixelsWhereverAPacketEnds) {
+  for (const std::size_t pixels : {1060U, 1070U, 1080U, 1090U}) {
+    SmallFrame small;
+    small.frame.pixels = std::span<const std::uint8_t>{small.pixels}.first(pixels);
+    small.frame.chunks = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20};
+    Bytes joined, expected(small.frame.pixels.begin(), small.frame.pixels.end());
+    expected.insert(expected.end(), small.frame.chunks.begin(), small.frame.chunks.end());
+    for (std::uint32_t id = 1; id + 1 < packet_count(small.frame); ++id) {
+      const auto packet = gvsp_packet(small.frame, id);
+      EXPECT_LE(packet.pixels.size() + packet.chunks.size(), 540U);
+      for (const auto part : {packet.pixels, packet.chunks}) joined.insert(joined.end(), part.begin(), part.end());
+    }
+    EXPECT_EQ(joined, expected) << pixels << " bytes of pixels";
+    EXPECT_EQ(gvsp_packet(small.frame, 0).head[10], 0x40);  // payload type 0x4001
+    const auto trailer = gvsp_packet(small.frame, packet_count(small.frame) - 1);
+    EXPECT_EQ(trailer.head_bytes, 20U);  // and the chunks' layout
+    EXPECT_EQ(trailer.head[10], 0x40);
+  }
+}
+
+TEST(Gvsp, APixelsBitsAreInItsCode) {
+  EXPECT_EQ(picture_bytes(pixel_code(capture::PixelFormat::rgb8), 10, 3), 90U);
+  EXPECT_EQ(picture_bytes(0x010C0059, 10, 3), 45U);  // BayerRG12p
 }
 
 }  // namespace rotunda::simulator
