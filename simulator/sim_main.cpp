@@ -11,7 +11,9 @@
 #include "capture/calibration_file.h"
 #include "config/errors.h"
 #include "config/exit_code.h"
+#include "simulator/fault_command.h"
 #include "simulator/gallery.h"
+#include "simulator/gige/fault_control.h"
 #include "simulator/gige/gige_studio.h"
 #include "simulator/people/person.h"
 #include "simulator/picture_set.h"
@@ -58,6 +60,7 @@ void tell_progress(const char* what, int done, int all) {
 struct ServeOptions {
   std::string rig, person, act, truth, ready_file;
   int cameras = 10;
+  FaultControlOptions faults;
 };
 
 ServedStudio studio_for(const ServeOptions& options) {
@@ -94,14 +97,18 @@ void tell_ready(const ServedStudio& studio, const std::string& ready_file) {
 
 int serve(const ServeOptions& options) {
   const auto served = studio_for(options);
+  FaultControl faults(options.faults, camera_names(served));
   const auto cache = render_ahead(served, options.truth);
   GigeStudio studio(served.devices, [&](std::size_t camera, capture::Timestamp exposure_start) {
     return cache.picture_at(camera, exposure_start);
   });
   studio.start();
+  faults.start(studio);
   tell_ready(served, options.ready_file);
   wait_for_stop();
+  faults.stop();
   studio.stop();
+  tell_faults(options.faults, studio.stats(), faults.cameras());
   if (!options.ready_file.empty()) std::filesystem::remove(options.ready_file);
   return kDone;
 }
@@ -196,6 +203,7 @@ void add_serve(CLI::App& app, ServeOptions& options) {
   app.add_option("--act", options.act, "does what: " + fmt::format("{}", fmt::join(act_names(), ", ")));
   app.add_option("--truth", options.truth, "write what is true of each act frame into this folder");
   app.add_option("--ready-file", options.ready_file, "write this file once the cameras answer; gone again at the end");
+  add_fault_options(app, options.faults);
 }
 
 int run(int argc, char** argv) {
@@ -214,6 +222,8 @@ int run(int argc, char** argv) {
   render_command->add_option("-o,--output", rendering.output, "folder to write")->required();
   render_command->footer(
       "Example: rotunda-sim render --cameras 16 --size 1280x960 --aspect 16/15 --frames 4 -o studio16");
+  FaultQuestion question;
+  const auto* fault_command = add_fault_command(app, question);
   auto* layout_command = app.add_subcommand("layout", "write the calibration of a simulated studio");
   add_layout_options(*layout_command, rendering);
   layout_command->add_option("-o,--output", rendering.output, "file to write")->required();
@@ -224,6 +234,7 @@ int run(int argc, char** argv) {
   try {
     app.parse(argc, argv);
     if (*render_command) return render(rendering);
+    if (*fault_command) return ask(question);
     if (*gallery_command) return gallery(galleried);
     return *layout_command ? write_layout(rendering) : serve(serving);
   } catch (const CLI::ParseError& error) {
