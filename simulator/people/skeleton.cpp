@@ -6,17 +6,55 @@
 namespace rotunda::simulator {
 namespace {
 
-constexpr std::array<Joint, kJoints> kParents = {
-    Joint::pelvis,        Joint::pelvis,         Joint::spine,        Joint::chest,      Joint::neck,
-    Joint::chest,         Joint::upper_arm_left, Joint::forearm_left, Joint::chest,      Joint::upper_arm_right,
-    Joint::forearm_right, Joint::pelvis,         Joint::thigh_left,   Joint::shank_left, Joint::foot_left,
-    Joint::pelvis,        Joint::thigh_right,    Joint::shank_right,  Joint::foot_right,
+struct JointRow {
+  std::string_view name;
+  Joint parent;
 };
+using enum Joint;
 
-constexpr std::array<std::string_view, kJoints> kNames = {
-    "pelvis",    "spine",           "chest",         "neck",       "head",       "upper_arm_left", "forearm_left",
-    "hand_left", "upper_arm_right", "forearm_right", "hand_right", "thigh_left", "shank_left",     "foot_left",
-    "toes_left", "thigh_right",     "shank_right",   "foot_right", "toes_right"};
+constexpr std::array<JointRow, kJoints> kJointTable = {{
+    {"pelvis", pelvis},
+    {"spine", pelvis},
+    {"chest", spine},
+    {"neck", chest},
+    {"head", neck},
+    {"clavicle_left", chest},
+    {"upper_arm_left", clavicle_left},
+    {"forearm_left", upper_arm_left},
+    {"hand_left", forearm_left},
+    {"thumb1_left", hand_left},
+    {"thumb2_left", thumb1_left},
+    {"index1_left", hand_left},
+    {"index2_left", index1_left},
+    {"middle1_left", hand_left},
+    {"middle2_left", middle1_left},
+    {"ring1_left", hand_left},
+    {"ring2_left", ring1_left},
+    {"little1_left", hand_left},
+    {"little2_left", little1_left},
+    {"clavicle_right", chest},
+    {"upper_arm_right", clavicle_right},
+    {"forearm_right", upper_arm_right},
+    {"hand_right", forearm_right},
+    {"thumb1_right", hand_right},
+    {"thumb2_right", thumb1_right},
+    {"index1_right", hand_right},
+    {"index2_right", index1_right},
+    {"middle1_right", hand_right},
+    {"middle2_right", middle1_right},
+    {"ring1_right", hand_right},
+    {"ring2_right", ring1_right},
+    {"little1_right", hand_right},
+    {"little2_right", little1_right},
+    {"thigh_left", pelvis},
+    {"shank_left", thigh_left},
+    {"foot_left", shank_left},
+    {"toes_left", foot_left},
+    {"thigh_right", pelvis},
+    {"shank_right", thigh_right},
+    {"foot_right", shank_right},
+    {"toes_right", foot_right},
+}};
 
 void place_leg(Skeleton& skeleton, Side side, double h) {
   const double s = sign_of(side);
@@ -35,25 +73,51 @@ void place_arm(Skeleton& skeleton, Side side, double h) {
   const Eigen::Vector3d out(0.0, s * std::sin(skeleton.arm_angle), -std::cos(skeleton.arm_angle));
   auto& joint = skeleton.joint;
   const auto at = [&](Joint left) -> Eigen::Vector3d& { return joint[index(on_side(left, side))]; };
+  at(Joint::clavicle_left) = Eigen::Vector3d(-0.004 * h, s * 0.018 * h, 0.815 * h);
   at(Joint::upper_arm_left) = Eigen::Vector3d(-0.008 * h, s * 0.103 * h, 0.811 * h);
   at(Joint::forearm_left) = at(Joint::upper_arm_left) + 0.176 * h * out;
   at(Joint::hand_left) = at(Joint::forearm_left) + 0.146 * h * out;
 }
 
+// Knuckles and next joints of the stretched hand, from the wrist: along the hand, and across it towards the thumb;
+// metres at 1.75 m (Buchholz, Armstrong, Goldstein 1992: segment lengths as fractions of the hand's).
+struct FingerRow {
+  Joint first;
+  double along, across, next_along, next_across;
+};
+constexpr std::array<FingerRow, 5> kFingers = {{{thumb1_left, 0.028, 0.022, 0.065, 0.050},
+                                                {index1_left, 0.090, 0.027, 0.134, 0.030},
+                                                {middle1_left, 0.092, 0.009, 0.139, 0.010},
+                                                {ring1_left, 0.088, -0.009, 0.132, -0.010},
+                                                {little1_left, 0.081, -0.026, 0.115, -0.030}}};
+
+void place_fingers(Skeleton& skeleton, Side side, double h) {
+  auto& joint = skeleton.joint;
+  const auto at = [&](Joint left) -> Eigen::Vector3d& { return joint[index(on_side(left, side))]; };
+  const Eigen::Vector3d wrist = at(hand_left), out = (wrist - at(forearm_left)).normalized();
+  const double scale = h / 1.75;
+  for (const auto& row : kFingers) {
+    const auto next = static_cast<Joint>(index(row.first) + 1);
+    at(row.first) = wrist + scale * (row.along * out + row.across * Eigen::Vector3d::UnitX());
+    at(next) = wrist + scale * (row.next_along * out + row.next_across * Eigen::Vector3d::UnitX());
+  }
+}
+
 }  // namespace
 
 std::string_view to_string(Joint joint) {
-  return kNames[index(joint)];
+  return kJointTable[index(joint)].name;
 }
 
 Joint parent_of(Joint joint) {
-  return kParents[index(joint)];
+  return kJointTable[index(joint)].parent;
 }
 
 Joint on_side(Joint left_joint, Side side) {
   if (side == Side::left) return left_joint;
-  const auto i = index(left_joint);
-  return static_cast<Joint>(i + (i < index(Joint::thigh_left) ? 3 : 4));
+  const std::size_t block = left_joint < Joint::thigh_left ? index(Joint::clavicle_right) - index(Joint::clavicle_left)
+                                                           : index(Joint::thigh_right) - index(Joint::thigh_left);
+  return static_cast<Joint>(index(left_joint) + block);
 }
 
 double Skeleton::thigh_length() const {
@@ -77,6 +141,7 @@ Skeleton make_skeleton(double height) {
   for (const Side side : {Side::left, Side::right}) {
     place_leg(skeleton, side, height);
     place_arm(skeleton, side, height);
+    place_fingers(skeleton, side, height);
   }
   return skeleton;
 }
@@ -88,10 +153,19 @@ Pose bind_pose(const Skeleton& skeleton) {
   return pose;
 }
 
+void curl_fingers(Pose& pose, Side side, double curl) {
+  constexpr double kRelaxed = 18.0 * std::numbers::pi / 180.0;
+  // In the bind pose the palm faces the body and the fingers run along the arm: they close about the body's forward
+  // axis.
+  const Eigen::Quaterniond close(Eigen::AngleAxisd(-sign_of(side) * kRelaxed * curl, Eigen::Vector3d::UnitX()));
+  for (std::size_t i = index(on_side(index1_left, side)); i <= index(on_side(little2_left, side)); ++i)
+    pose.rotation[i] = close;
+}
+
 JointTransforms joint_transforms(const Skeleton& skeleton, const Pose& pose) {
   JointTransforms world_from_joint;
   for (std::size_t i = 0; i < kJoints; ++i) {
-    const std::size_t parent = index(kParents[i]);
+    const std::size_t parent = index(kJointTable[i].parent);
     Eigen::Isometry3d& own = world_from_joint[i];
     if (i == parent) {
       own = Eigen::Translation3d(pose.pelvis) * pose.rotation[i];

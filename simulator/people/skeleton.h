@@ -9,18 +9,41 @@
 
 namespace rotunda::simulator {
 
+// Parents come before their children. A finger has two joints: the knuckle and the next one (the last follows it).
 enum class Joint : std::uint8_t {
   pelvis,
   spine,
   chest,
   neck,
   head,
+  clavicle_left,
   upper_arm_left,
   forearm_left,
   hand_left,
+  thumb1_left,
+  thumb2_left,
+  index1_left,
+  index2_left,
+  middle1_left,
+  middle2_left,
+  ring1_left,
+  ring2_left,
+  little1_left,
+  little2_left,
+  clavicle_right,
   upper_arm_right,
   forearm_right,
   hand_right,
+  thumb1_right,
+  thumb2_right,
+  index1_right,
+  index2_right,
+  middle1_right,
+  middle2_right,
+  ring1_right,
+  ring2_right,
+  little1_right,
+  little2_right,
   thigh_left,
   shank_left,
   foot_left,
@@ -30,7 +53,7 @@ enum class Joint : std::uint8_t {
   foot_right,
   toes_right,
 };
-inline constexpr std::size_t kJoints = 19;
+inline constexpr std::size_t kJoints = 41;
 constexpr std::size_t index(Joint joint) {
   return static_cast<std::size_t>(joint);
 }
@@ -62,6 +85,9 @@ struct Pose {
   std::array<Eigen::Quaterniond, kJoints> rotation;  // of a joint's frame in its parent's; identity: bind pose
 };
 Pose bind_pose(const Skeleton& skeleton);
+
+// Bends the four fingers of a hand towards its palm: 0 stretched, 1 as they hang by themselves, about 4 a fist.
+void curl_fingers(Pose& pose, Side side, double curl);
 
 // world_from_bind of every joint: what carries a point of the bind pose along with that joint.
 using JointTransforms = std::array<Eigen::Isometry3d, kJoints>;
