@@ -75,11 +75,18 @@ void CameraStream::make_room() {
   while (kept_.size() >= kKeptFrames) kept_.pop_front();
 }
 
-void CameraStream::add(const GvspFrame& frame, Endpoint destination, std::chrono::nanoseconds packet_delay,
+void CameraStream::add(GvspFrame frame, Endpoint destination, std::chrono::nanoseconds packet_delay,
                        capture::Timestamp not_before, const GigeFaults& faults) {
   make_room();
   counts_.faults[FaultKind::late_frames] += faults.late_frames.by.count() != 0;
-  kept_.push_back({frame, destination, packet_delay, not_before + faults.late_frames.by, faults, {}, 0, {}, {}});
+  kept_.push_back({.frame = std::move(frame),
+                   .destination = destination,
+                   .packet_delay = packet_delay,
+                   .not_before = not_before + faults.late_frames.by,
+                   .faults = faults,
+                   .sent = 0,
+                   .held_back = {},
+                   .attempts = {}});
   if (faults.wrong_payload_size.sent_change != 0) change_length(kept_.back());
 }
 
@@ -91,9 +98,10 @@ void CameraStream::change_length(KeptFrame& kept) {
     pixels = pixels.first(static_cast<std::size_t>(std::max<std::int64_t>(0, size)));
     return;
   }
-  kept.own_pixels.assign(pixels.begin(), pixels.end());
-  kept.own_pixels.resize(static_cast<std::size_t>(size));
-  pixels = kept.own_pixels;
+  std::vector<std::uint8_t> longer(pixels.begin(), pixels.end());
+  longer.resize(static_cast<std::size_t>(size));
+  kept.frame.own_pixels = std::move(longer);
+  pixels = kept.frame.own_pixels;
 }
 
 CameraStream::KeptFrame* CameraStream::unsent() {

@@ -35,8 +35,8 @@ class CameraStream {
 
   // Sends `frame` from `not_before` on, after the frames before it, with what is wrong with it (and what was, when it
   // is sent again). Its pixels must stay valid until kKeptFrames further frames were added.
-  void add(const GvspFrame& frame, Endpoint destination, std::chrono::nanoseconds packet_delay,
-           capture::Timestamp not_before, const GigeFaults& faults = {});
+  void add(GvspFrame frame, Endpoint destination, std::chrono::nanoseconds packet_delay, capture::Timestamp not_before,
+           const GigeFaults& faults = {});
   // Lets go of what would be forgotten by the next add(): call before the pixels of that frame are made.
   void make_room();
   void resend(const ResendCommand& request, Link link = Link::up);
@@ -55,8 +55,7 @@ class CameraStream {
     std::chrono::nanoseconds packet_delay{};
     capture::Timestamp not_before;
     GigeFaults faults;
-    std::vector<std::uint8_t> own_pixels;  // of a frame that is longer than its picture
-    std::uint32_t sent = 0;                // packets that had their turn
+    std::uint32_t sent = 0;  // packets that had their turn
     struct HeldBack {
       std::uint32_t packet, until;  // leaves once packet number `until` had its turn
     };

@@ -24,6 +24,7 @@
 #include "config/errors.h"
 #include "simulator/gige/camera_stream.h"
 #include "simulator/gige/gige_device.h"
+#include "simulator/gige/region.h"
 
 namespace rotunda::simulator {
 namespace {
@@ -32,6 +33,7 @@ using capture::RigClock;
 using capture::Timestamp;
 using namespace std::chrono_literals;
 
+constexpr auto kUptime = 1h;          // of the cameras when the studio opens: their clocks have settled
 constexpr auto kLongestWait = 100ms;  // both threads look at the clock at least this often
 constexpr std::size_t kMaxSlowAnswers = 256;
 constexpr std::uint32_t kLimitedBroadcast = INADDR_BROADCAST;
@@ -122,16 +124,18 @@ struct SlowAnswer {
 struct Camera {
   Camera(const GigeCameraOptions& options, bool is_clock_master)
       : name(options.name),
-        picture_bytes(static_cast<std::size_t>(options.width) * static_cast<std::size_t>(options.height) *
-                      capture::bytes_per_pixel(options.format)),
+        sensor{static_cast<std::uint32_t>(options.width), static_cast<std::uint32_t>(options.height)},
+        picture_bytes(simulator::picture_bytes(pixel_code(options.format), sensor.width, sensor.height)),
         control(control_socket(options)),
         stream({.address = ipv4(options), .port = 0}),
-        device(options, is_clock_master ? PtpStatus::master : PtpStatus::slave, stream.port()) {
+        device(options, is_clock_master ? PtpStatus::master : PtpStatus::slave, stream.port(),
+               RigClock::now() - kUptime) {
     const int never_fragment = IP_PMTUDISC_DO;
     setsockopt(stream.fd(), IPPROTO_IP, IP_MTU_DISCOVER, &never_fragment, sizeof never_fragment);
   }
 
   std::string name;
+  Region sensor;
   std::size_t picture_bytes;
   UdpSocket control, stream;
   // Shared by both threads, under the studio's mutex:
@@ -141,6 +145,26 @@ struct Camera {
   StreamCounts sent;
   std::uint64_t missing_pictures = 0;
 };
+
+GvspFrame gvsp_frame(const DueFrame& due, std::span<const std::uint8_t> picture, const Region& sensor) {
+  GvspFrame frame{.block = due.block,
+                  .extended_ids = due.extended_ids,
+                  .exposure_start = due.stamp,
+                  .pixel_code = due.pixel_code,
+                  .width = due.width,
+                  .height = due.height,
+                  .offset_x = due.offset_x,
+                  .offset_y = due.offset_y,
+                  .packet_size = due.packet_size,
+                  .pixels = picture,
+                  .own_pixels = {},
+                  .chunks = due.chunks};
+  const Region region{due.width, due.height, due.offset_x, due.offset_y};
+  if (region == sensor) return frame;
+  frame.own_pixels = read_out(picture, sensor.width, bits_per_pixel(due.pixel_code), region);
+  frame.pixels = frame.own_pixels;
+  return frame;
+}
 
 // What the sender takes along when it leaves the mutex.
 struct Errands {
@@ -263,6 +287,9 @@ std::chrono::nanoseconds GigeStudio::Impl::send_slow_answers(Timestamp now) {
       if (!camera.device.faults().in_force(now).is_away())
         camera.control.send(waiting.front().acknowledgement, waiting.front().to);
     if (!waiting.empty()) wait = std::min(wait, waiting.front().when - now);
+    while (const auto late = camera.device.take_late_acknowledgement(now))
+      camera.control.send(late->datagram, late->to);
+    if (const auto next = camera.device.next_late_acknowledgement()) wait = std::min(wait, *next - now);
   }
   return wait;
 }
@@ -335,14 +362,8 @@ void GigeStudio::Impl::send_frame(std::size_t camera, const DueFrame& frame) {
     ++missing_pictures[camera];
     return;
   }
-  streams[camera].add({.block = frame.block,
-                       .exposure_start = frame.stamp,
-                       .pixel_code = frame.pixel_code,
-                       .width = frame.width,
-                       .height = frame.height,
-                       .packet_size = frame.packet_size,
-                       .pixels = pixels},
-                      frame.destination, frame.packet_delay, frame.due, frame.faults);
+  streams[camera].add(gvsp_frame(frame, pixels, cameras[camera].sensor), frame.destination, frame.packet_delay,
+                      frame.due + frame.transmission_delay, frame.faults);
   if (on_exposure)
     on_exposure({.camera = camera, .block = frame.block, .start = frame.exposure_start, .duration = frame.exposure});
 }

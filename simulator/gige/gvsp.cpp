@@ -97,9 +97,12 @@ std::uint32_t pixel_code(capture::PixelFormat format) {
 }
 
 // PFNC: bits 16 to 23 of a code are the bits a pixel takes.
+std::uint32_t bits_per_pixel(std::uint32_t pixel_code) {
+  return (pixel_code >> 16) & 0xFF;
+}
+
 std::size_t picture_bytes(std::uint32_t pixel_code, std::uint32_t width, std::uint32_t height) {
-  const std::size_t bits = (pixel_code >> 16) & 0xFF;
-  return (static_cast<std::size_t>(width) * height * bits + 7) / 8;
+  return (static_cast<std::size_t>(width) * height * bits_per_pixel(pixel_code) + 7) / 8;
 }
 
 std::size_t gvsp_header_bytes(const GvspFrame& frame) {

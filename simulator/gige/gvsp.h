@@ -26,8 +26,9 @@ struct GvspFrame {
   std::uint32_t pixel_code = 0;       // PFNC: 0x01080009 is BayerRG8
   std::uint32_t width = 0, height = 0, offset_x = 0, offset_y = 0;
   std::uint32_t packet_size = 1500;      // bytes with IP, UDP and GVSP headers
-  std::span<const std::uint8_t> pixels;  // lent
-  std::vector<std::uint8_t> chunks;      // of chunk_data.h; empty: no chunk mode
+  std::span<const std::uint8_t> pixels;  // lent, or of own_pixels
+  std::vector<std::uint8_t> own_pixels;
+  std::vector<std::uint8_t> chunks;  // of chunk_data.h; empty: no chunk mode
 };
 
 // One packet: the bytes made here, and the parts of the frame's pixels and chunks that follow them on the wire.
@@ -38,6 +39,7 @@ struct GvspPacket {
 };
 
 std::uint32_t pixel_code(capture::PixelFormat format);  // Pixel Format Naming Convention
+std::uint32_t bits_per_pixel(std::uint32_t pixel_code);
 std::size_t picture_bytes(std::uint32_t pixel_code, std::uint32_t width, std::uint32_t height);
 std::size_t gvsp_header_bytes(const GvspFrame& frame);  // of each packet: 8 or 20
 std::uint32_t packet_count(const GvspFrame& frame);     // leader and trailer included

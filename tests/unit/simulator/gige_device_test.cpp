@@ -56,6 +56,58 @@ TEST(GigeDevice, AControllerThatFallsSilentLosesControlAndTheStreamStops) {
   EXPECT_EQ(bench.write(reg::kControlPrivilege, 2, kTheirs), kOk);
 }
 
+TEST(GigeDevice, WhoKnowsTheSwitchoverKeyTakesTheStreamOver) {
+  Bench bench;
+  bench.arm(TriggerSource::software);
+  EXPECT_EQ(bench.write(reg::kSwitchoverKey, 0x1234), kOk);
+  EXPECT_EQ(bench.read(reg::kSwitchoverKey), 0U);                                // nobody reads it
+  EXPECT_EQ(bench.write(reg::kControlPrivilege, 0x12340002, kTheirs), kDenied);  // not enabled
+  EXPECT_EQ(bench.write(reg::kControlPrivilege, 6), kOk);
+  EXPECT_EQ(bench.write(reg::kControlPrivilege, 0x12350002, kTheirs), kDenied);
+  EXPECT_EQ(bench.write(reg::kControlPrivilege, 0x12340002, kTheirs), kOk);
+  EXPECT_TRUE(bench.device.is_acquiring());
+  EXPECT_EQ(bench.read(reg::kPrimaryPort), kTheirs.port);
+  EXPECT_EQ(bench.read(reg::kPrimaryAddress), kTheirs.address);
+  EXPECT_EQ(bench.write(reg::kTriggerSoftware, 1), kDenied);
+  EXPECT_EQ(bench.write(reg::kTriggerSoftware, 1, kTheirs), kOk);
+}
+
+TEST(GigeDevice, AControllerThatDisabledItsHeartbeatKeepsTheCamera) {
+  Bench bench;
+  bench.arm(TriggerSource::software);
+  bench.write(reg::kGvcpConfiguration, bench.read(reg::kGvcpConfiguration) | kHeartbeatDisable);
+  bench.device.check_heartbeat(kNow + 1h);
+  EXPECT_TRUE(bench.device.has_controller());
+}
+
+TEST(GigeDevice, AnswersWhatTakesLongAtOnceAndAcknowledgesItWhenDone) {
+  Bench bench;
+  bench.write(reg::kControlPrivilege, 2);
+  bench.write(reg::kUserSetSelector, 1);
+  const auto save = gvcp_command(GvcpOpcode::write_memory, kAckWanted, 77, words({reg::kUserSetSave, 1}));
+  const Bytes pending{0, 0, 0, 0x89, 0, 4, 0, 77, 0, 0, 0x04, 0xB0};  // 1200 ms
+  EXPECT_EQ(bench.device.handle(save, kOurs, kNow), pending);
+  EXPECT_EQ(bench.device.handle(save, kOurs, kNow + 500ms), pending);  // asked again: still at it
+  EXPECT_FALSE(bench.device.take_late_acknowledgement(kNow + 1199ms));
+  EXPECT_EQ(bench.device.next_late_acknowledgement(), kNow + 1200ms);
+  const auto late = bench.device.take_late_acknowledgement(kNow + 1200ms);
+  ASSERT_TRUE(late);
+  EXPECT_EQ(late->datagram, (Bytes{0, 0, 0, 0x87, 0, 4, 0, 77, 0, 0, 0, 4}));
+  EXPECT_EQ(late->to, kOurs);
+  EXPECT_EQ(bench.device.handle(save, kOurs, kNow + 2s), late->datagram);
+  EXPECT_FALSE(bench.device.next_late_acknowledgement());
+  EXPECT_EQ(bench.device.counts().pending_acks, 1U);
+}
+
+TEST(GigeDevice, WithoutPendingAckOnlyTheAcknowledgementComes) {
+  Bench bench;
+  bench.write(reg::kControlPrivilege, 2);
+  bench.write(reg::kGvcpConfiguration, 0);
+  bench.write(reg::kUserSetSelector, 1);
+  EXPECT_FALSE(bench.send(GvcpOpcode::write_register, words({reg::kUserSetSave, 1})));
+  EXPECT_TRUE(bench.device.take_late_acknowledgement(kNow + 2s));
+}
+
 TEST(GigeDevice, WriteRegisterAndWriteMemoryHaveTheSameEffect) {
   for (const auto opcode : {GvcpOpcode::write_register, GvcpOpcode::write_memory}) {
     Bench bench;
@@ -174,7 +226,7 @@ TEST(GigeDevice, RefusesValuesAndAddressesItDoesNotHave) {
   EXPECT_EQ(bench.write(reg::kPixelFormat, 0x02180014), 0x8002);  // RGB8 from a Bayer sensor
   EXPECT_EQ(bench.write(reg::kPixelFormat, 0x01080001), kOk);
   EXPECT_EQ(bench.write(reg::kPacketSize, 100), 0x8002);
-  EXPECT_EQ(bench.write(reg::kWidth, 100), 0x8004);
+  EXPECT_EQ(bench.write(reg::kSensorWidth, 100), 0x8004);
   EXPECT_EQ(bench.write(0x80000000, 1), 0x8003);
   EXPECT_EQ(bench.write(reg::kGain + 1, 1), 0x8005);
   EXPECT_EQ(bench.status(bench.send(static_cast<GvcpOpcode>(0x4242), {})), 0x8001);
