@@ -19,6 +19,9 @@ pkg_check_modules(GRPC REQUIRED IMPORTED_TARGET grpc++ protobuf)
 find_program(PROTOC protoc REQUIRED)
 find_program(GRPC_CPP_PLUGIN grpc_cpp_plugin REQUIRED)
 
+# Its header alone: it is compiled behind a guard of our own.
+find_path(TINYGLTF_INCLUDE_DIR tiny_gltf.h REQUIRED)
+
 # The narrow OpenCV packages ship neither a CMake nor a pkg-config file: those come only with libopencv-dev.
 find_path(OPENCV_INCLUDE_DIR opencv2/core.hpp PATH_SUFFIXES opencv4 REQUIRED)
 foreach(module core imgproc imgcodecs calib3d)

@@ -199,8 +199,9 @@ void add_layout_options(CLI::App& command, RenderOptions& options) {
 void add_serve(CLI::App& app, ServeOptions& options) {
   auto* rig = app.add_option("--rig", options.rig, "serve the cameras of this rig file");
   app.add_option("--cameras", options.cameras, "serve so many cameras, 2 to 64 (10)")->excludes(rig);
-  app.add_option("--person", options.person, "who: " + fmt::format("{}", fmt::join(person_names(), ", ")));
-  app.add_option("--act", options.act, "does what: " + fmt::format("{}", fmt::join(act_names(), ", ")));
+  app.add_option("--person", options.person, fmt::format("who: {}, or FILE.glb", fmt::join(person_names(), ", ")));
+  app.add_option("--act", options.act,
+                 fmt::format("does what: {}, or a clip of FILE.glb", fmt::join(act_names(), ", ")));
   app.add_option("--truth", options.truth, "write what is true of each act frame into this folder");
   app.add_option("--ready-file", options.ready_file, "write this file once the cameras answer; gone again at the end");
   add_fault_options(app, options.faults);
@@ -217,8 +218,9 @@ int run(int argc, char** argv) {
   render_command->add_option("--calibration", rendering.calibration, "render the cameras of this file instead");
   render_command->add_option("--frames", rendering.frames, "frames of 40 ms (1)")->check(CLI::PositiveNumber);
   render_command->add_option("--person", rendering.person,
-                             "who: " + fmt::format("{}", fmt::join(person_names(), ", ")));
-  render_command->add_option("--act", rendering.act, "does what: " + fmt::format("{}", fmt::join(act_names(), ", ")));
+                             fmt::format("who: {}, or FILE.glb", fmt::join(person_names(), ", ")));
+  render_command->add_option("--act", rendering.act,
+                             fmt::format("does what: {}, or a clip of FILE.glb", fmt::join(act_names(), ", ")));
   render_command->add_option("-o,--output", rendering.output, "folder to write")->required();
   render_command->footer(
       "Example: rotunda-sim render --cameras 16 --size 1280x960 --aspect 16/15 --frames 4 -o studio16");

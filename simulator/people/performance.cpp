@@ -1,11 +1,27 @@
 #include "simulator/people/performance.h"
 
+#include <spdlog/spdlog.h>
+
 #include "simulator/people/fingerprint.h"
+#include "simulator/people/gltf_performance.h"
 #include "simulator/people/synthetic_performance.h"
 
 namespace rotunda::simulator {
 
+namespace {
+
+bool is_gltf(const std::string& person) {
+  return person.ends_with(".glb") || person.ends_with(".gltf");
+}
+
+}  // namespace
+
 std::unique_ptr<Performance> make_performance(const PerformanceOptions& options) {
+  if (is_gltf(options.person)) {
+    auto performance = std::make_unique<GltfPerformance>(options.person, options.act);
+    for (const auto& note : performance->notes()) spdlog::info("{}: {}", options.person, note);
+    return performance;
+  }
   auto description = describe_person(options.person);
   description.coarseness = options.coarseness;
   if (options.texels_per_edge) description.texels_per_edge = *options.texels_per_edge;

@@ -54,15 +54,16 @@ class Performance {
 };
 
 struct PerformanceOptions {
-  std::string person = "alex";         // one of person_names()
-  std::string act = "walk";            // one of act_names()
+  std::string person = "alex";         // one of person_names(), or FILE.glb, FILE.gltf
+  std::string act = "walk";            // one of act_names(), or a clip of that file
   bool travel = false;                 // through the volume instead of on the spot
   std::uint32_t seed = 1;              // of the motion's small variations
   double coarseness = 1.0;             // of our people's surfaces
   std::optional<int> texels_per_edge;  // of our people's textures
 };
 
-// Throws InvalidInput for a person or act that is not there, with those that are.
+// Throws InvalidInput for a person, act or clip that is not there, with those that are; what gltf_performance.h says
+// for a file.
 std::unique_ptr<Performance> make_performance(const PerformanceOptions& options = {});
 
 // What of the figures shows: for implementations of fingerprint().
