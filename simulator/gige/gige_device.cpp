@@ -12,10 +12,15 @@ using std::chrono::nanoseconds;
 using namespace std::chrono_literals;
 
 constexpr std::size_t kMaxResends = 256;  // waiting for the sender
+constexpr std::size_t kMaxLate = 256;     // acknowledgements
 constexpr nanoseconds kPulse = 100us;     // of a trigger box
 // Control privilege: others may not even read; others may read; who knows the key in the upper half may take over.
 constexpr std::uint32_t kExclusive = 1, kControl = 2, kSwitchover = 4, kPrivileges = 7;
 constexpr Endpoint kThief{.address = 0xC0000201, .port = 1};  // 192.0.2.1, for documentation: nobody sends from there
+
+bool is_of_registers(const GvcpCommand& command) {
+  return command.opcode >= GvcpOpcode::read_register && command.opcode <= GvcpOpcode::write_memory;
+}
 
 std::vector<std::uint8_t> written(const GvcpCommand& command, GvcpStatus status, std::size_t count) {
   std::vector<std::uint8_t> payload(4);
@@ -45,6 +50,8 @@ std::optional<std::vector<std::uint8_t>> GigeDevice::handle(std::span<const std:
   const bool is_write = command->opcode == GvcpOpcode::write_register || command->opcode == GvcpOpcode::write_memory;
   auto acknowledgement = is_write ? answer_write(*command, datagram, from, received) : answer(*command, from, received);
   if (!command->wants_ack() && command->opcode != GvcpOpcode::discovery) return std::nullopt;
+  const nanoseconds slow = is_of_registers(*command) ? wrong.slow_registers.by : 0ns;
+  if (slow.count() > 0 && acknowledgement) return slowed(*command, std::move(*acknowledgement), from, received, slow);
   return acknowledgement;
 }
 
@@ -58,13 +65,24 @@ GigeDevice::Acknowledgement GigeDevice::answer_write(const GvcpCommand& command,
   const nanoseconds effort = camera_.take_effort();
   if (effort.count() == 0 || !acknowledgement) return acknowledgement;
   last_write_.done = received + effort;
-  last_write_.first = std::nullopt;
-  if ((camera_.registers().get(reg::kGvcpConfiguration) & kPendingAckEnable) != 0) {
-    ++camera_.counts().pending_acks;
-    last_write_.first = gvcp_pending(command, std::chrono::ceil<std::chrono::milliseconds>(effort));
-  }
-  if (command.wants_ack()) late_.push_back({last_write_.done, std::move(*acknowledgement), from});
+  last_write_.first = pending(command, effort);
+  if (command.wants_ack()) acknowledge_late({last_write_.done, std::move(*acknowledgement), from});
   return last_write_.first;
+}
+
+// Nothing if the client does not understand it.
+GigeDevice::Acknowledgement GigeDevice::pending(const GvcpCommand& command, nanoseconds effort) {
+  if ((camera_.registers().get(reg::kGvcpConfiguration) & kPendingAckEnable) == 0) return std::nullopt;
+  ++camera_.counts().pending_acks;
+  return gvcp_pending(command, std::chrono::ceil<std::chrono::milliseconds>(effort));
+}
+
+void GigeDevice::acknowledge_late(LateAcknowledgement acknowledgement) {
+  if (late_.size() >= kMaxLate) return;
+  const auto after =
+      std::upper_bound(late_.begin(), late_.end(), acknowledgement.when,
+                       [](Timestamp when, const LateAcknowledgement& other) { return when < other.when; });
+  late_.insert(after, std::move(acknowledgement));
 }
 
 std::optional<Timestamp> GigeDevice::next_late_acknowledgement() const {
@@ -73,6 +91,7 @@ std::optional<Timestamp> GigeDevice::next_late_acknowledgement() const {
 }
 
 std::optional<LateAcknowledgement> GigeDevice::take_late_acknowledgement(Timestamp now) {
+  if (faults().in_force(now).is_away()) late_.clear();
   if (late_.empty() || late_.front().when > now) return std::nullopt;
   auto taken = std::move(late_.front());
   late_.pop_front();
@@ -280,11 +299,19 @@ void GigeDevice::advance(Timestamp now) {
   auto& counts = camera_.counts().faults;
   for (const auto& edge : faults().take_edges(now)) {
     if (edge.kind == FaultKind::reboot && edge.begins) reboot(edge.at);
-    if (edge.kind == FaultKind::control_stolen) edge.begins ? steal_control(edge.at) : return_control(edge.at);
+    if (edge.kind == FaultKind::control_stolen && edge.begins) steal_control(edge.at);
     counts[FaultKind::over_temperature] += edge.kind == FaultKind::over_temperature && edge.begins;
     counts[FaultKind::clock_step] += edge.kind == FaultKind::clock_step && edge.begins;
   }
+  if (controller_ == kThief && !faults().in_force(now).control_stolen) release_control(now);
   camera_.advance(now);
+}
+
+GigeDevice::Acknowledgement GigeDevice::slowed(const GvcpCommand& command, std::vector<std::uint8_t> acknowledgement,
+                                               Endpoint to, Timestamp received, nanoseconds by) {
+  ++camera_.counts().faults[FaultKind::slow_registers];
+  acknowledge_late({received + by, std::move(acknowledgement), to});
+  return pending(command, by);
 }
 
 void GigeDevice::reboot(Timestamp at) {
@@ -299,10 +326,6 @@ void GigeDevice::steal_control(Timestamp at) {
   release_control(at);
   const auto theft = faults().in_force(at).control_stolen;
   give_control(kThief, theft && !theft->exclusive ? kControl : kExclusive);
-}
-
-void GigeDevice::return_control(Timestamp at) {
-  if (controller_ == kThief) release_control(at);
 }
 
 }  // namespace rotunda::simulator

@@ -76,9 +76,12 @@ class GigeDevice {
   void release_control(capture::Timestamp at);
   GvcpStatus denied();
 
+  Acknowledgement slowed(const GvcpCommand& command, std::vector<std::uint8_t> acknowledgement, Endpoint to,
+                         capture::Timestamp received, std::chrono::nanoseconds by);
+  Acknowledgement pending(const GvcpCommand& command, std::chrono::nanoseconds effort);
+  void acknowledge_late(LateAcknowledgement acknowledgement);
   void reboot(capture::Timestamp at);
   void steal_control(capture::Timestamp at);
-  void return_control(capture::Timestamp at);
 
   SimulatedCamera camera_;
   std::optional<Endpoint> controller_;

@@ -13,7 +13,6 @@
 #include <atomic>
 #include <cerrno>
 #include <condition_variable>
-#include <deque>
 #include <mutex>
 #include <optional>
 #include <set>
@@ -35,7 +34,6 @@ using namespace std::chrono_literals;
 
 constexpr auto kUptime = 1h;          // of the cameras when the studio opens: their clocks have settled
 constexpr auto kLongestWait = 100ms;  // both threads look at the clock at least this often
-constexpr std::size_t kMaxSlowAnswers = 256;
 constexpr std::uint32_t kLimitedBroadcast = INADDR_BROADCAST;
 constexpr std::uint32_t kLoopbackBroadcast = 0x7FFFFFFF;  // 127.255.255.255
 
@@ -97,11 +95,6 @@ void check(int result, const char* what) {
   if (result < 0) throw std::system_error(errno, std::generic_category(), what);
 }
 
-bool is_of_registers(std::span<const std::uint8_t> datagram) {
-  const auto command = parse_gvcp(datagram);
-  return command && command->opcode >= GvcpOpcode::read_register && command->opcode <= GvcpOpcode::write_memory;
-}
-
 CameraStream::Link link_of(const GigeFaults& faults) {
   if (faults.silent) return CameraStream::Link::silent;
   return faults.rebooting ? CameraStream::Link::rebooting : CameraStream::Link::up;
@@ -113,12 +106,6 @@ struct EpollHandle {
   EpollHandle(const EpollHandle&) = delete;
   EpollHandle& operator=(const EpollHandle&) = delete;
   ~EpollHandle() { close(fd); }
-};
-
-struct SlowAnswer {
-  Timestamp when;
-  std::vector<std::uint8_t> acknowledgement;
-  Endpoint to;
 };
 
 struct Camera {
@@ -140,8 +127,6 @@ struct Camera {
   UdpSocket control, stream;
   // Shared by both threads, under the studio's mutex:
   GigeDevice device;
-  std::deque<SlowAnswer> slow_answers;  // in order of time
-  FaultCounts faults;                   // those that fire here
   StreamCounts sent;
   std::uint64_t missing_pictures = 0;
 };
@@ -200,7 +185,7 @@ struct GigeStudio::Impl {
   void control_loop();
   void drain(UdpSocket& socket, std::span<Camera> hearers);
   void hand_to(Camera& camera, std::span<const std::uint8_t> datagram, const UdpSocket::Received& received);
-  std::chrono::nanoseconds send_slow_answers(Timestamp now);
+  std::chrono::nanoseconds send_late_acknowledgements(Timestamp now);
   std::optional<Timestamp> next_due() const;
   void wake_sender_if_needed(std::optional<Timestamp> due_before);
 
@@ -247,7 +232,7 @@ void GigeStudio::Impl::control_loop() {
         drain(broadcasts[number - cameras.size()], cameras);
     }
     const std::scoped_lock lock(mutex);
-    wait = send_slow_answers(now);
+    wait = send_late_acknowledgements(now);
     for (auto& camera : cameras) {
       camera.device.advance(now);
       if (ready < static_cast<int>(events.size())) camera.device.check_heartbeat(now);
@@ -267,26 +252,14 @@ void GigeStudio::Impl::drain(UdpSocket& socket, std::span<Camera> hearers) {
 
 void GigeStudio::Impl::hand_to(Camera& camera, std::span<const std::uint8_t> datagram,
                                const UdpSocket::Received& received) {
-  auto acknowledgement = camera.device.handle(datagram, received.from, received.at);
-  if (!acknowledgement) return;
-  const auto delay = camera.device.faults().in_force(received.at).slow_registers.by;
-  if (delay.count() == 0 || !is_of_registers(datagram)) {
+  if (const auto acknowledgement = camera.device.handle(datagram, received.from, received.at))
     camera.control.send(*acknowledgement, received.from);
-  } else if (camera.slow_answers.size() < kMaxSlowAnswers) {
-    ++camera.faults[FaultKind::slow_registers];
-    camera.slow_answers.push_back({received.at + delay, std::move(*acknowledgement), received.from});
-  }
 }
 
-// The answers whose time has come; how long epoll may wait for the next.
-std::chrono::nanoseconds GigeStudio::Impl::send_slow_answers(Timestamp now) {
+// Those whose time has come; how long epoll may wait for the next.
+std::chrono::nanoseconds GigeStudio::Impl::send_late_acknowledgements(Timestamp now) {
   std::chrono::nanoseconds wait = kLongestWait;
   for (auto& camera : cameras) {
-    auto& waiting = camera.slow_answers;
-    for (; !waiting.empty() && waiting.front().when <= now; waiting.pop_front())
-      if (!camera.device.faults().in_force(now).is_away())
-        camera.control.send(waiting.front().acknowledgement, waiting.front().to);
-    if (!waiting.empty()) wait = std::min(wait, waiting.front().when - now);
     while (const auto late = camera.device.take_late_acknowledgement(now))
       camera.control.send(late->datagram, late->to);
     if (const auto next = camera.device.next_late_acknowledgement()) wait = std::min(wait, *next - now);
@@ -432,7 +405,6 @@ std::vector<GigeStats> GigeStudio::stats() const {
     const auto& heard = camera.device.counts();
     FaultCounts fired = heard.faults;
     fired += camera.sent.faults;
-    fired += camera.faults;
     all.push_back({.frames_sent = camera.sent.frames_sent,
                    .missing_pictures = camera.missing_pictures,
                    .packets_sent = camera.sent.packets_sent,

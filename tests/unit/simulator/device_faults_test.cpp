@@ -113,6 +113,40 @@ TEST_F(DeviceFaults, StolenControlDeniesTheControllerUntilItIsGivenBack) {
   EXPECT_EQ(bench.read(reg::kControlPrivilege), 2U);
 }
 
+TEST_F(DeviceFaults, SlowRegistersAcknowledgeLaterAndInTheOrderOfTime) {
+  bench.write(reg::kGvcpConfiguration, 0);  // no PENDING_ACK
+  add(SlowRegisters{.by = 300ms}, 100ms);
+  EXPECT_FALSE(bench.send(GvcpOpcode::read_register, words({reg::kGain})));
+  EXPECT_TRUE(bench.send(GvcpOpcode::discovery, {})) << "registers only";
+  EXPECT_EQ(bench.device.next_late_acknowledgement(), kNow + 300ms);
+  EXPECT_FALSE(bench.device.take_late_acknowledgement(kNow + 299ms));
+  const auto late = bench.device.take_late_acknowledgement(kNow + 300ms);
+  ASSERT_TRUE(late);
+  EXPECT_EQ(late->to, kOurs);
+  EXPECT_EQ(bench.status(late->datagram), kOk);
+  EXPECT_EQ(fired(FaultKind::slow_registers), 1U);
+  bench.now += 100ms;
+  EXPECT_EQ(bench.write(reg::kGain, 100), kOk);
+  EXPECT_EQ(fired(FaultKind::slow_registers), 1U);
+}
+
+TEST_F(DeviceFaults, SlowRegistersSayPendingToWhoUnderstandsIt) {
+  EXPECT_EQ(bench.write(reg::kGvcpConfiguration, kPendingAckEnable), kOk);
+  add(SlowRegisters{.by = 300ms});
+  const auto pending = bench.send(GvcpOpcode::read_register, words({reg::kGain}));
+  ASSERT_TRUE(pending);
+  EXPECT_EQ(load_be<std::uint16_t>(*pending, 2), 0x0089);
+  EXPECT_EQ(load_be<std::uint16_t>(*pending, kGvcpHeaderBytes + 2), 300);
+  EXPECT_TRUE(bench.device.take_late_acknowledgement(kNow + 300ms));
+}
+
+TEST_F(DeviceFaults, AClearedTheftGivesControlBack) {
+  add(ControlStolen{});
+  EXPECT_EQ(bench.write(reg::kControlPrivilege, 2), kDenied);
+  bench.device.faults().clear();
+  EXPECT_EQ(bench.write(reg::kControlPrivilege, 2), kOk);
+}
+
 TEST_F(DeviceFaults, AStalledStreamGivesNoFramesWhileTheControlChannelAnswers) {
   add(Stall{}, 100ms);
   EXPECT_THAT(four_triggers(), ElementsAre(kNow + 120ms, kNow + 160ms));
