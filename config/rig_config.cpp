@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 using Words = std::set<std::string>;
 
 const Words kFormats{"Mono8", "BayerRG8", "BayerGR8", "BayerGB8", "BayerBG8"};
-const Words kTriggerModes{"action", "software", "freerun"};
+const Words kTriggerModes{"action", "software", "line", "freerun"};
 const Words kBackdrops{"blue", "green"};
 const Words kSources{"aravis"};
 const std::vector<std::string> kFindBy{"address", "serial", "user_name", "mac"};
@@ -130,6 +130,13 @@ void read_trigger(CheckedMap& root, TriggerConfig& trigger, Problems& problems) 
   map.read<std::uint32_t>("group_key", trigger.group_key, "a 32-bit number");
   map.read<std::uint32_t>("group_mask", trigger.group_mask, "a 32-bit number other than 0",
                           [](std::uint32_t mask) { return mask != 0; });
+  map.read<std::string>("box", trigger.box, "a trigger box's serial number");
+  map.read<double>("pulse_width_us", trigger.pulse_width_us, "1 to 1e6 microseconds", between(1.0, 1e6));
+  map.read<std::vector<double>>(
+      "line_delays_us", trigger.line_delays_us, "a list of 1 to 8 delays, 0 to 1e6 microseconds",
+      [](const std::vector<double>& delays) {
+        return !delays.empty() && delays.size() <= 8 && std::all_of(delays.begin(), delays.end(), between(0.0, 1e6));
+      });
   map.refuse_unknown_keys();
 }
 
@@ -236,7 +243,7 @@ std::string rig_file_text(const RigConfig& rig) {
   const auto& common = rig.cameras.empty() ? CameraConfig{} : rig.cameras.front();
   std::string text = fmt::format(
       "# A rig: its cameras and how they are triggered. Check it with: rotundad --rig FILE --check\n"
-      "name: {}\n{}\ntrigger:\n  mode: {}          # action | software | freerun\n  rate_hz: {}\n"
+      "name: {}\n{}\ntrigger:\n  mode: {}          # action | software | line | freerun\n  rate_hz: {}\n"
       "  lead_periods: {}       # a scheduled action is sent this many periods ahead\n"
       "  interface: {}  # of this machine, on the cameras' link\n\n"
       "volume:                 # metres, z up, origin on the studio floor\n  min: [{}]\n  max: [{}]\n\n"

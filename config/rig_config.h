@@ -25,13 +25,16 @@ struct CameraConfig {
 };
 
 struct TriggerConfig {
-  std::string mode = "action";  // action | software | freerun
+  std::string mode = "action";  // action | software | line | freerun
   double rate_hz = 25.0;
   int lead_periods = 2;                         // a scheduled action is sent this many periods ahead
   std::string interface_address = "127.0.0.1";  // of the link the cameras hang on
   std::uint32_t device_key = 0x524f5455;
   std::uint32_t group_key = 1;
   std::uint32_t group_mask = 1;
+  std::string box;                     // serial number of the trigger box in mode `line`; empty: the only one
+  double pulse_width_us = 1000.0;      // of its pulses
+  std::vector<double> line_delays_us;  // of each of its lines after the trigger's moment; missing ones are 0
 };
 
 struct VolumeConfig {

@@ -160,7 +160,9 @@ void set_trigger(ArvCamera* camera, const SourceSettings& settings) {
           [&](GError** e) { arv_camera_set_frame_rate(camera, *settings.frame_rate_hz, e); });
     return;
   }
-  const char* source = settings.trigger == TriggerMode::action ? "Action1" : "Software";
+  const char* source = settings.trigger == TriggerMode::action ? "Action1"
+                       : settings.trigger == TriggerMode::line ? "Line0"
+                                                               : "Software";
   if (settings.trigger == TriggerMode::action) set_action_keys(camera, settings);
   ask(settings, fmt::format("setting the trigger source {}", source),
       [&](GError** e) { arv_camera_set_trigger(camera, source, e); });

@@ -49,6 +49,8 @@ std::string_view to_string(TriggerMode mode) {
       return "software";
     case TriggerMode::action:
       return "action";
+    case TriggerMode::line:
+      return "line";
   }
   return "?";
 }

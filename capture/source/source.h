@@ -25,7 +25,7 @@ bool may_follow(SourceState from, SourceState to);
 // Returns `to`; throws InvalidInput naming camera and states if it may not follow.
 SourceState checked_transition(SourceState from, SourceState to, const CameraId& camera);
 
-enum class TriggerMode { freerun, software, action };
+enum class TriggerMode { freerun, software, action, line };  // line: pulses on Line0
 std::string_view to_string(TriggerMode mode);
 
 struct SourceSettings {

@@ -52,6 +52,9 @@ class FrameSetAssembler {
   // No frame is waited for from an absent camera (frames that come all the same are taken).
   std::vector<FrameSet> set_absent(const CameraId& camera, bool absent, Timestamp now);
   std::vector<FrameSet> advance(Timestamp now);
+  // The grid is known better now: every trigger keeps its number. The new one must lie within half a period of the old
+  // for the triggers that are still open.
+  void set_grid(const TriggerGrid& grid) { options_.grid = grid; }
   // Closes every set that is left, up to the take's last trigger, or the last one begun when no count was given.
   std::vector<FrameSet> finish();
 

@@ -253,22 +253,14 @@ std::uint64_t TriggerBox::stop() {
   return command({.opcode = TRIGGER_BOX_STOP}).pulses;
 }
 
-TriggerBoxStatus TriggerBox::status() {
-  if (!lost_) {
-    try {
-      const auto reply = command({.opcode = TRIGGER_BOX_STATUS});
-      const std::lock_guard lock(mutex_);
-      known_.running = reply.state != TRIGGER_BOX_IDLE;
-      known_.pulses = reply.pulses;
-      known_.events_lost = reply.value64;
-    } catch (const DeviceError&) {  // told by `lost`
-    }
-  }
+TriggerBoxStatus TriggerBox::status() const {
   const std::lock_guard lock(mutex_);
-  known_.lost = lost_;
-  known_.drift_ppm = clock_.ready() ? clock_.drift_ppm() : 0.0;
-  known_.clock_error = clock_.ready() ? clock_.error() : nanoseconds{};
-  return known_;
+  auto status = known_;
+  status.lost = lost_;
+  status.running = status.running && !lost_;
+  status.drift_ppm = clock_.ready() ? clock_.drift_ppm() : 0.0;
+  status.clock_error = clock_.ready() ? clock_.error() : nanoseconds{};
+  return status;
 }
 
 ClockModel TriggerBox::clock() const {
@@ -314,12 +306,12 @@ void TriggerBox::take_message(const std::uint8_t* message, Timestamp arrived) {
                    load(message, 24, 8)};
   if (message[0] == TRIGGER_BOX_PULSE) return take_pulse(told);
   const std::lock_guard lock(mutex_);
-  if (message[0] == TRIGGER_BOX_DONE) {
-    known_.running = false;
-    known_.pulses = told.pulses;
-  } else if (message[1] == kClockTag && clock_asked_) {
+  known_.running = told.state != TRIGGER_BOX_IDLE;
+  known_.pulses = told.pulses;
+  if (message[0] == (TRIGGER_BOX_STATUS | TRIGGER_BOX_REPLY)) known_.events_lost = told.value64;
+  if (message[0] == TRIGGER_BOX_DONE) return;
+  if (message[1] == kClockTag && clock_asked_) {
     clock_.add({*std::exchange(clock_asked_, std::nullopt), arrived, told.time});
-    known_.events_lost = told.value64;
   } else if (message[1] == tag_) {
     reply_ = told;
     answered_.notify_all();

@@ -68,7 +68,7 @@ class TriggerBox {
   PulseTrain set(const PulseTrain& train);  // only while no train runs; returns what it really is, in the box's steps
   Timestamp start(Timestamp at);            // pulse 0's moment; returns what it really is
   std::uint64_t stop();                     // returns the pulses begun
-  TriggerBoxStatus status();                // of a lost box: what was last known; never throws for that
+  TriggerBoxStatus status() const;          // as last told, a quarter second ago at most; never waits
   bool lost() const { return lost_; }
 
   // Once ready (from the start): the fitted clock.

@@ -10,6 +10,7 @@ using namespace std::chrono_literals;
 
 capture::TriggerMode trigger_mode_from(const std::string& word) {
   if (word == "action") return capture::TriggerMode::action;
+  if (word == "line") return capture::TriggerMode::line;
   return word == "software" ? capture::TriggerMode::software : capture::TriggerMode::freerun;
 }
 

@@ -51,6 +51,7 @@ RigStatus RigDaemon::status() const {
     status.late_triggers = take_->late_triggers();
     status.late_frames = take_->late_frames();
     status.queued_frame_sets = take_->queued();
+    status.warnings = take_->trigger_warnings();
   }
   if (rig_.trigger.mode == "action" && fleet_.trigger_mode() == capture::TriggerMode::software)
     status.warnings.push_back(

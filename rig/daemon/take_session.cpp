@@ -91,31 +91,13 @@ capture::TakeWriterOptions writer_options(const config::RigConfig& rig, const Ta
   return options;
 }
 
-capture::TriggerScheduleOptions schedule_for(const config::TriggerConfig& trigger, const TakeRequest& request,
-                                             capture::TriggerMode mode) {
-  const auto count = wanted_frame_sets(request, trigger.rate_hz);
-  const auto now = capture::RigClock::now();
-  if (mode != capture::TriggerMode::action) return capture::immediate_triggers(trigger.rate_hz, count, now);
-  auto schedule = capture::scheduled_triggers(trigger.rate_hz, count, now);
-  schedule.lead = trigger.lead_periods * schedule.grid.period;
-  schedule.grid = capture::grid_from(now + schedule.lead + schedule.grid.period, schedule.grid.period);
-  return schedule;
-}
-
-std::unique_ptr<capture::ActionCommandSender> action_sender(const config::TriggerConfig& trigger,
-                                                            capture::TriggerMode mode) {
-  if (mode != capture::TriggerMode::action) return nullptr;
-  return std::make_unique<capture::ActionCommandSender>(
-      capture::ActionSenderOptions{.interface_address = trigger.interface_address});
-}
-
 capture::AssemblerOptions assembler_options(const std::vector<capture::CameraId>& cameras,
-                                            const capture::TriggerScheduleOptions& schedule) {
+                                            const capture::TriggerGrid& grid, std::optional<std::uint64_t> wanted) {
   capture::AssemblerOptions options;
   options.cameras = cameras;
-  options.grid = schedule.grid;
-  options.triggers = schedule.count;
-  options.deadline = std::max<std::chrono::nanoseconds>(kDeadline, 2 * schedule.grid.period);
+  options.grid = grid;
+  options.triggers = wanted;
+  options.deadline = std::max<std::chrono::nanoseconds>(kDeadline, 2 * options.grid.period);
   return options;
 }
 
@@ -129,43 +111,39 @@ std::optional<std::uint64_t> wanted_frame_sets(const TakeRequest& request, doubl
 
 TakeSession::TakeSession(const config::RigConfig& rig, const TakeRequest& request, CameraFleet& fleet)
     : fleet_(fleet),
-      mode_(ready_to_trigger(fleet)),
-      trigger_config_(rig.trigger),
       most_queued_(static_cast<std::size_t>(rig.storage.queue_frame_sets)),
-      actions_(action_sender(rig.trigger, mode_)),
+      trigger_(make_take_trigger(rig.trigger, ready_to_trigger(fleet), wanted_frame_sets(request, rig.trigger.rate_hz),
+                                 fleet)),
       folder_(take_folder(rig, request)),
       writer_(std::in_place, writer_options(rig, request, fleet, folder_)),
-      schedule_(schedule_for(rig.trigger, request, mode_)),
       cameras_(names_of(writer_->info().cameras)),
-      assembler_(assembler_options(cameras_, schedule_)),
+      grid_(trigger_->plan()),
+      assembler_(assembler_options(cameras_, grid_, trigger_->wanted())),
       queue_(most_queued_ + kRoomForHoles) {
   progress_.folder = folder_;
   progress_.name = folder_.filename().string();
-  progress_.wanted = schedule_.count.value_or(0);
+  progress_.wanted = trigger_->wanted().value_or(0);
   if (const auto missing = missing_cameras(fleet); !missing.empty())
     progress_.warnings.push_back(fmt::format("recording without {}", fmt::join(missing, ", ")));
   fleet_.set_receiver(this);
-  triggers_.emplace(schedule_, [this](const capture::Trigger& trigger) { fire(trigger); });
+  trigger_->start([this](const capture::TriggerGrid& grid) { move_grid(grid); });
   recorder_ = std::jthread([this] { record(); });
 }
 
 TakeSession::~TakeSession() {
   request_stop();
   if (recorder_.joinable()) recorder_.join();
+  trigger_.reset();  // its thread may still tell of the grid
 }
 
 void TakeSession::request_stop() {
   stop_requested_ = true;
 }
 
-void TakeSession::fire(const capture::Trigger& trigger) {
-  if (mode_ == capture::TriggerMode::action)
-    actions_->send({.device_key = trigger_config_.device_key,
-                    .group_key = trigger_config_.group_key,
-                    .group_mask = trigger_config_.group_mask,
-                    .at = trigger.at});
-  if (mode_ == capture::TriggerMode::software)
-    for (const auto& worker : fleet_.workers()) worker->request_software_trigger();
+void TakeSession::move_grid(const capture::TriggerGrid& grid) {
+  const std::lock_guard lock(assembler_mutex_);
+  grid_ = grid;
+  assembler_.set_grid(grid);
 }
 
 bool TakeSession::records(const capture::CameraId& camera) const {
@@ -193,9 +171,9 @@ void TakeSession::enqueue(std::vector<capture::FrameSet> sets) {
 }
 
 std::optional<std::uint64_t> TakeSession::triggers_to_record() const {
-  const auto counts = triggers_->counts();
+  const auto counts = trigger_->counts();
   if (counts.finished) return counts.fired + counts.skipped;
-  return schedule_.count;
+  return trigger_->wanted();
 }
 
 void TakeSession::close_due_sets() {
@@ -205,7 +183,7 @@ void TakeSession::close_due_sets() {
     if (records(worker->settings().camera))
       enqueue(assembler_.set_absent(worker->settings().camera, !worker->streaming(), now));
   if (const auto triggers = triggers_to_record())
-    now = std::min(now, schedule_.grid.time_of(*triggers));  // sets of triggers that were never fired stay unborn
+    now = std::min(now, grid_.time_of(*triggers));  // sets of triggers that were never fired stay unborn
   if (now == capture::Timestamp{}) return;
   enqueue(assembler_.advance(now));
 }
@@ -220,7 +198,7 @@ void TakeSession::record() {
   pthread_setname_np(pthread_self(), "recorder");
   while (!all_sets_queued() || queue_.size() > 0) {
     if (const auto set = queue_.wait_pop(kRecorderPulse)) write(*set);
-    if (stop_requested_) triggers_->stop();
+    if (stop_requested_) trigger_->stop();
     close_due_sets();
   }
   fleet_.set_receiver(nullptr);
@@ -248,11 +226,7 @@ void TakeSession::give_up(const std::string& failure) {
 }
 
 void TakeSession::close() {
-  try {
-    triggers_->rethrow_failure();
-  } catch (const std::exception& error) {
-    give_up(error.what());
-  }
+  if (const auto failure = trigger_->failure(); !failure.empty()) give_up(failure);
   try {
     writer_->finish(capture::TakeState::complete);
   } catch (const std::exception& error) {
@@ -277,7 +251,7 @@ TakeProgress TakeSession::wait_for_change(const TakeProgress& seen, std::chrono:
 }
 
 std::uint64_t TakeSession::late_triggers() const {
-  const auto counts = triggers_->counts();
+  const auto counts = trigger_->counts();
   return counts.late + counts.skipped;
 }
 

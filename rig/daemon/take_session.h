@@ -1,6 +1,6 @@
 #pragma once
-// One take from its first trigger to its closed files: fires the triggers, assembles frame sets, writes them.
-// Threads: the trigger schedule's, and the recorder's, which also closes frame sets whose deadline has passed.
+// One take from its first trigger to its closed files: has the triggers fired, assembles frame sets, writes them.
+// Threads: the trigger's, and the recorder's, which also closes frame sets whose deadline has passed.
 // Camera threads only hand frames in. What the disk cannot take in time is written as holes, never dropped silently.
 #include <atomic>
 #include <condition_variable>
@@ -10,13 +10,12 @@
 #include <thread>
 
 #include "capture/base/bounded_queue.h"
-#include "capture/sync/action_command.h"
 #include "capture/sync/frame_set_assembler.h"
-#include "capture/sync/trigger.h"
 #include "capture/take/take_writer.h"
 #include "config/rig_config.h"
 #include "rig/client.h"
 #include "rig/daemon/camera_fleet.h"
+#include "rig/daemon/take_trigger.h"
 
 namespace rotunda::rig {
 
@@ -32,6 +31,7 @@ class TakeSession : public FrameReceiver {
   // Waits until the progress differs from `seen` or the take is closed, or for so long.
   TakeProgress wait_for_change(const TakeProgress& seen, std::chrono::milliseconds timeout) const;
   std::uint64_t late_triggers() const;
+  std::vector<std::string> trigger_warnings() const { return trigger_->warnings(); }
   std::uint64_t late_frames() const;
   std::size_t queued() const { return queue_.size(); }
   bool stopping() const { return stop_requested_; }
@@ -40,7 +40,7 @@ class TakeSession : public FrameReceiver {
   void take_frame(capture::Frame&& frame) override;
   void take_incomplete(const capture::IncompleteFrame& incomplete) override;
   bool records(const capture::CameraId& camera) const;
-  void fire(const capture::Trigger& trigger);
+  void move_grid(const capture::TriggerGrid& grid);
   void enqueue(std::vector<capture::FrameSet> sets);
   void record();
   void close_due_sets();
@@ -51,17 +51,15 @@ class TakeSession : public FrameReceiver {
   void close();
 
   CameraFleet& fleet_;
-  capture::TriggerMode mode_;
-  config::TriggerConfig trigger_config_;
   std::size_t most_queued_;
-  std::unique_ptr<capture::ActionCommandSender> actions_;  // in trigger mode `action`
+  std::unique_ptr<TakeTrigger> trigger_;
   std::filesystem::path folder_;
   std::optional<capture::TakeWriter> writer_;  // until the take is closed; touched by the recorder only
-  capture::TriggerScheduleOptions schedule_;
 
   std::vector<capture::CameraId> cameras_;  // that have a file in this take
 
   mutable std::mutex assembler_mutex_;
+  capture::TriggerGrid grid_;
   capture::FrameSetAssembler assembler_;
   capture::BoundedQueue<capture::FrameSet> queue_;
 
@@ -70,7 +68,6 @@ class TakeSession : public FrameReceiver {
   TakeProgress progress_;
 
   std::atomic<bool> stop_requested_ = false;
-  std::optional<capture::TriggerSchedule> triggers_;
   std::jthread recorder_;  // last
 };
 

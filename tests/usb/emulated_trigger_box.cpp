@@ -222,7 +222,8 @@ void EmulatedTriggerBox::Parts::handle(UMockdevIoctlClient* client) {
   const auto request = umockdev_ioctl_client_get_request(client);
   UMockdevIoctlData* arg = umockdev_ioctl_client_get_arg(client);
   std::unique_lock lock(mutex);
-  if (gone) return answer(-1, ENODEV);
+  const bool reaps = request == USBDEVFS_REAPURB || request == USBDEVFS_REAPURBNDELAY;
+  if (gone && !(reaps && !done.empty())) return answer(-1, ENODEV);
   switch (request) {
     case USBDEVFS_GET_CAPABILITIES: {
       Data out(umockdev_ioctl_data_resolve(arg, 0, sizeof(std::uint32_t), nullptr));
@@ -273,6 +274,8 @@ EmulatedTriggerBox::~EmulatedTriggerBox() = default;
 void EmulatedTriggerBox::unplug() {
   const std::lock_guard lock(parts_->mutex);
   parts_->gone = true;
+  // As the kernel does it: what was under way ends with ESHUTDOWN and can still be reaped.
+  for (auto& urb : std::exchange(parts_->waiting_in, {})) parts_->finish(std::move(urb), -ESHUTDOWN, nullptr, 0);
   trigger_box_unplugged(&parts_->box);
   umockdev_testbed_remove_device(parts_->testbed, "/sys/devices/usb1/1-4");
 }

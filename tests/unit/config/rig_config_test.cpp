@@ -52,7 +52,7 @@ TEST(LoadRig, TellsEveryMistakeAtOnceWithItsPlace) {
               HasSubstr(".yaml:2:53: cameras[0].exposure_us: expected 1 to 10000000 microseconds, found \"fast\""));
   EXPECT_THAT(text, HasSubstr("cameras[1].adress: unknown key; did you mean \"address\"?"));
   EXPECT_THAT(text, HasSubstr("cameras[1].name: \"cam00\" is cameras[0] already"));
-  EXPECT_THAT(text, HasSubstr(":4:18: trigger.mode: expected one of action, freerun, software, found \"sometimes\""));
+  EXPECT_THAT(text, HasSubstr(":4:18: trigger.mode: expected one of action, freerun, line, software, found \"sometimes\""));
   EXPECT_THAT(text, HasSubstr("trigger.rate_hz: expected a rate of 0.1 to 1000 Hz"));
   EXPECT_THAT(text, HasSubstr("volume.min: expected [x, y, z] in metres, found a list"));
 }
