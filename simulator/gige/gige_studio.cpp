@@ -1,8 +1,6 @@
 #include "simulator/gige/gige_studio.h"
 
-#include <arpa/inet.h>
 #include <fmt/format.h>
-#include <netinet/in.h>
 #include <spdlog/spdlog.h>
 #include <sys/epoll.h>
 #include <sys/prctl.h>
@@ -15,7 +13,6 @@
 #include <condition_variable>
 #include <mutex>
 #include <optional>
-#include <set>
 #include <system_error>
 #include <thread>
 #include <utility>
@@ -24,6 +21,8 @@
 #include "simulator/gige/camera_stream.h"
 #include "simulator/gige/gige_device.h"
 #include "simulator/gige/region.h"
+#include "simulator/gige/studio_sockets.h"
+#include "simulator/gige/trigger_box.h"
 
 namespace rotunda::simulator {
 namespace {
@@ -34,62 +33,6 @@ using namespace std::chrono_literals;
 
 constexpr auto kUptime = 1h;          // of the cameras when the studio opens: their clocks have settled
 constexpr auto kLongestWait = 100ms;  // both threads look at the clock at least this often
-constexpr std::uint32_t kLimitedBroadcast = INADDR_BROADCAST;
-constexpr std::uint32_t kLoopbackBroadcast = 0x7FFFFFFF;  // 127.255.255.255
-
-std::uint32_t ipv4(const GigeCameraOptions& camera) {
-  in_addr address{};
-  if (inet_pton(AF_INET, camera.address.c_str(), &address) != 1)
-    throw InvalidInput(fmt::format("{}: \"{}\" is not an IPv4 address", camera.name, camera.address));
-  return ntohl(address.s_addr);
-}
-
-UdpSocket control_socket(const GigeCameraOptions& camera) {
-  try {
-    return UdpSocket({.address = ipv4(camera), .port = kGvcpPort});
-  } catch (const std::system_error& error) {
-    if (error.code() == std::errc::address_in_use)
-      throw DeviceError(camera.name,
-                        fmt::format("{}:{} is taken; is another rotunda-sim running?", camera.address, kGvcpPort));
-    if (error.code() == std::errc::address_not_available)
-      throw DeviceError(camera.name,
-                        fmt::format("{} is no address of this machine; simulated cameras live on 127.0.0.1, "
-                                    "127.0.0.2, ... of the loopback",
-                                    camera.address));
-    throw;
-  }
-}
-
-// Discovery and actions come by broadcast; every camera hears them through these.
-std::vector<UdpSocket> broadcast_sockets() {
-  std::vector<UdpSocket> sockets;
-  for (const std::uint32_t address : {kLimitedBroadcast, kLoopbackBroadcast}) {
-    try {
-      sockets.emplace_back(Endpoint{.address = address, .port = kGvcpPort}, Sharing::with_other_sockets);
-    } catch (const std::system_error& error) {
-      if (address == kLimitedBroadcast)
-        throw DeviceError("simulated studio",
-                          fmt::format("cannot listen on 255.255.255.255:{} ({}); does another simulated camera run?",
-                                      kGvcpPort, error.code().message()));
-      spdlog::warn("simulated studio: broadcasts to 127.255.255.255 go unheard: {}", error.code().message());
-    }
-  }
-  return sockets;
-}
-
-void check_distinct(const std::vector<GigeCameraOptions>& cameras) {
-  std::set<std::string> seen;
-  const auto add = [&](const std::string& what, const std::string& value) {
-    if (!seen.insert(what + value).second)
-      throw InvalidInput(fmt::format("two simulated cameras have the {} {}", what, value));
-  };
-  for (const auto& camera : cameras) {
-    add("name", camera.name);
-    add("serial", camera.serial);
-    add("address", camera.address);
-    add("MAC", fmt::format("{:02x}", fmt::join(camera.mac, ":")));
-  }
-}
 
 void check(int result, const char* what) {
   if (result < 0) throw std::system_error(errno, std::generic_category(), what);
@@ -114,12 +57,9 @@ struct Camera {
         sensor{static_cast<std::uint32_t>(options.width), static_cast<std::uint32_t>(options.height)},
         picture_bytes(simulator::picture_bytes(pixel_code(options.format), sensor.width, sensor.height)),
         control(control_socket(options)),
-        stream({.address = ipv4(options), .port = 0}),
+        stream(stream_socket(options)),
         device(options, is_clock_master ? PtpStatus::master : PtpStatus::slave, stream.port(),
-               RigClock::now() - kUptime) {
-    const int never_fragment = IP_PMTUDISC_DO;
-    setsockopt(stream.fd(), IPPROTO_IP, IP_MTU_DISCOVER, &never_fragment, sizeof never_fragment);
-  }
+               RigClock::now() - kUptime) {}
 
   std::string name;
   Region sensor;
@@ -175,6 +115,10 @@ struct GigeStudio::Impl {
     check(poll.fd, "epoll_create1");
     for (std::size_t i = 0; i < cameras.size(); ++i) watch(cameras[i].control, i);
     for (std::size_t i = 0; i < broadcasts.size(); ++i) watch(broadcasts[i], cameras.size() + i);
+    if (studio.trigger_box_port) {
+      trigger_box.emplace(trigger_box_socket(*studio.trigger_box_port));
+      watch(*trigger_box, cameras.size() + broadcasts.size());
+    }
   }
 
   void watch(const UdpSocket& socket, std::size_t number) const {
@@ -184,6 +128,7 @@ struct GigeStudio::Impl {
 
   void control_loop();
   void drain(UdpSocket& socket, std::span<Camera> hearers);
+  void drain_trigger_box();
   void hand_to(Camera& camera, std::span<const std::uint8_t> datagram, const UdpSocket::Received& received);
   std::chrono::nanoseconds send_late_acknowledgements(Timestamp now);
   std::optional<Timestamp> next_due() const;
@@ -201,7 +146,8 @@ struct GigeStudio::Impl {
   PictureAt picture_at;
   OnExposure on_exposure;
   std::vector<UdpSocket> broadcasts;
-  EpollHandle poll;  // events carry the camera's number; broadcasts follow the cameras
+  std::optional<UdpSocket> trigger_box;
+  EpollHandle poll;  // events carry the camera's number; broadcasts follow the cameras, then the trigger box
   mutable std::mutex mutex;
   std::condition_variable wake;
   std::vector<Camera> cameras;
@@ -228,6 +174,8 @@ void GigeStudio::Impl::control_loop() {
       const std::size_t number = events[static_cast<std::size_t>(i)].data.u64;
       if (number < cameras.size())
         drain(cameras[number].control, std::span{cameras}.subspan(number, 1));
+      else if (number == cameras.size() + broadcasts.size())
+        drain_trigger_box();
       else
         drain(broadcasts[number - cameras.size()], cameras);
     }
@@ -247,6 +195,17 @@ void GigeStudio::Impl::drain(UdpSocket& socket, std::span<Camera> hearers) {
     const auto due_before = next_due();
     for (auto& camera : hearers) hand_to(camera, datagram, *received);
     wake_sender_if_needed(due_before);
+  }
+}
+
+void GigeStudio::Impl::drain_trigger_box() {
+  while (const auto received = trigger_box->receive(buffer)) {
+    const auto level = parse_line(std::span{buffer}.first(std::min(received->bytes, buffer.size())));
+    if (!level) continue;
+    const std::scoped_lock lock(mutex);
+    for (auto& camera : cameras) camera.device.set_line0(level->high, level->at.value_or(received->at));
+    sender_has_work = true;
+    wake.notify_one();
   }
 }
 
@@ -418,6 +377,7 @@ std::vector<GigeStats> GigeStudio::stats() const {
                    .late_actions = heard.late_actions,
                    .denied = heard.denied,
                    .lost_controllers = heard.lost_controllers,
+                   .pending_acks = heard.pending_acks,
                    .has_controller = camera.device.has_controller(),
                    .is_acquiring = camera.device.is_acquiring(),
                    .faults = fired,
@@ -456,6 +416,10 @@ void GigeStudio::clear_faults(std::size_t camera) {
 void GigeStudio::seed_faults(std::uint64_t seed) {
   const std::scoped_lock lock(impl_->mutex);
   for (auto& camera : impl_->cameras) camera.device.faults().set_seed(seed);
+}
+
+std::uint16_t GigeStudio::trigger_box_port() const {
+  return impl_->trigger_box ? impl_->trigger_box->port() : 0;
 }
 
 void GigeStudio::line0_edge(Timestamp at) {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -38,6 +39,7 @@ struct GigeStats {
   std::uint64_t triggers = 0, ignored_triggers = 0, late_actions = 0;
   std::uint64_t denied = 0;            // commands of others than the controller
   std::uint64_t lost_controllers = 0;  // heartbeats that stopped
+  std::uint64_t pending_acks = 0;      // commands told to take long
   bool has_controller = false, is_acquiring = false;
   FaultCounts faults;               // how often each kind fired
   std::vector<FaultKind> in_force;  // of those that were added
@@ -46,6 +48,7 @@ struct GigeStats {
 struct GigeStudioOptions {
   double link_bits_per_second = 1e9;  // of each camera, paces its packets; 0: each frame leaves in one burst
   OnExposure on_exposure;
+  std::optional<std::uint16_t> trigger_box_port;  // listens there for trigger_box.h's edges of Line0; 0: any port
 };
 
 class GigeStudio {
@@ -71,7 +74,8 @@ class GigeStudio {
   void add_fault(std::size_t camera, const Fault& fault, capture::Timestamp from);
   void clear_faults(std::size_t camera);
   void seed_faults(std::uint64_t seed);
-  void line0_edge(capture::Timestamp at);  // the trigger line all cameras hang on
+  void line0_edge(capture::Timestamp at);  // a pulse on the trigger line all cameras hang on
+  std::uint16_t trigger_box_port() const;  // of the loopback; 0: there is none
 
  private:
   struct Impl;

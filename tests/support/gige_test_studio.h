@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,8 @@ struct TestStudioOptions {
   int width = 160, height = 120;
   capture::PixelFormat format = capture::PixelFormat::bayer_rg8;
   std::uint8_t first_address = 1;  // 127.0.0.x
+  simulator::CameraClockOptions clock;
+  std::optional<std::uint16_t> trigger_box_port;
 };
 
 class TestStudio {
@@ -25,11 +28,13 @@ class TestStudio {
       : options_(options),
         kept_(options.cameras),
         calls_(options.cameras),
-        studio_(cameras(), [this](std::size_t camera, capture::Timestamp at) {
-          auto& slot = kept_[camera][calls_[camera]++ % kept_[camera].size()];
-          slot = picture(camera, at);
-          return std::span<const std::uint8_t>{slot};
-        }) {
+        studio_(cameras(),
+                [this](std::size_t camera, capture::Timestamp at) {
+                  auto& slot = kept_[camera][calls_[camera]++ % kept_[camera].size()];
+                  slot = picture(camera, at);
+                  return std::span<const std::uint8_t>{slot};
+                },
+                {.trigger_box_port = options.trigger_box_port}) {
     studio_.start();
   }
 
@@ -42,7 +47,8 @@ class TestStudio {
                      .mac = {0x02, 0x52, 0x54, 0, 0, static_cast<std::uint8_t>(i + options_.first_address)},
                      .width = options_.width,
                      .height = options_.height,
-                     .format = options_.format});
+                     .format = options_.format,
+                     .clock = options_.clock});
     return all;
   }
 
