@@ -26,10 +26,8 @@ std::uint64_t ticks(Timestamp at) {
 
 // The MAC address with FF FE in its middle (IEEE 1588-2008, 7.5.2.2.2).
 std::uint64_t clock_identity(const std::array<std::uint8_t, 6>& mac) {
-  std::uint64_t identity = 0;
-  for (const unsigned byte : {+mac[0], +mac[1], +mac[2], 0xFF, 0xFE, +mac[3], +mac[4], +mac[5]})
-    identity = identity << 8 | byte;
-  return identity;
+  const std::array<std::uint8_t, 8> bytes{mac[0], mac[1], mac[2], 0xFF, 0xFE, mac[3], mac[4], mac[5]};
+  return load_be<std::uint64_t>(bytes, 0);
 }
 
 }  // namespace
