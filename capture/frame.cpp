@@ -12,13 +12,14 @@
 namespace rotunda::capture {
 namespace {
 
-constexpr std::array<std::pair<PixelFormat, std::string_view>, 6> kNames{{
+constexpr std::array<std::pair<PixelFormat, std::string_view>, 7> kNames{{
     {PixelFormat::mono8, "Mono8"},
     {PixelFormat::bayer_rg8, "BayerRG8"},
     {PixelFormat::bayer_gr8, "BayerGR8"},
     {PixelFormat::bayer_gb8, "BayerGB8"},
     {PixelFormat::bayer_bg8, "BayerBG8"},
     {PixelFormat::rgb8, "RGB8"},
+    {PixelFormat::bayer_rg12p, "BayerRG12p"},
 }};
 
 }  // namespace
@@ -30,7 +31,13 @@ RigClock::time_point RigClock::now() noexcept {
 }
 
 std::size_t bytes_per_pixel(PixelFormat format) {
+  if (format == PixelFormat::bayer_rg12p) return 2;
   return format == PixelFormat::rgb8 ? 3 : 1;
+}
+
+std::size_t image_bytes(int width, int height, PixelFormat format) {
+  const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  return format == PixelFormat::bayer_rg12p ? (pixels * 12 + 7) / 8 : pixels * bytes_per_pixel(format);
 }
 
 std::string_view to_string(PixelFormat format) {

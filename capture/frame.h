@@ -1,6 +1,7 @@
 #pragma once
 // Frames and their time. A Frame is one image of one camera, a FrameSet the frames of one trigger.
-// Pixels lie as the camera sent them: rows top to bottom, no padding between rows, 8 bits a sample.
+// Pixels lie as the camera sent them: rows top to bottom, no padding between rows; 8 bits a sample, or 12 packed as
+// PFNC says: two pixels in three bytes, lower bits first, rows following each other without a gap.
 #include <chrono>
 #include <cstdint>
 #include <memory>
@@ -26,9 +27,10 @@ using Timestamp = std::chrono::time_point<RigClock, std::chrono::nanoseconds>;
 // A camera's name in the rig file, "cam00"; also its file name in a take.
 using CameraId = std::string;
 
-enum class PixelFormat { mono8, bayer_rg8, bayer_gr8, bayer_gb8, bayer_bg8, rgb8 };
+enum class PixelFormat { mono8, bayer_rg8, bayer_gr8, bayer_gb8, bayer_bg8, rgb8, bayer_rg12p };
 
-std::size_t bytes_per_pixel(PixelFormat format);
+std::size_t bytes_per_pixel(PixelFormat format);  // whole bytes that hold one: 2 for 12 bits
+std::size_t image_bytes(int width, int height, PixelFormat format);
 std::string_view to_string(PixelFormat format);                               // "BayerRG8": the GenICam name
 std::optional<PixelFormat> pixel_format_from(std::string_view genicam_name);  // nothing if we do not know it
 
@@ -39,9 +41,7 @@ struct Image {
   PixelFormat format = PixelFormat::mono8;
   std::shared_ptr<const std::uint8_t> pixels;
 
-  std::size_t size_bytes() const {
-    return static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * bytes_per_pixel(format);
-  }
+  std::size_t size_bytes() const { return image_bytes(width, height, format); }
   std::span<const std::uint8_t> bytes() const { return {pixels.get(), pixels ? size_bytes() : 0}; }
 };
 

@@ -25,6 +25,27 @@ int demosaic_code(PixelFormat format) {
   }
 }
 
+// PFNC 12p: the first pixel's low byte, its high and the second's low nibble, the second's high byte.
+cv::Mat unpack_12p(const Image& image) {
+  cv::Mat samples(image.height, image.width, CV_16UC1);
+  auto* out = samples.ptr<std::uint16_t>();
+  const auto bytes = image.bytes();
+  for (std::size_t i = 0, at = 0; i < samples.total(); ++i) {
+    const bool second = (i & 1) != 0;
+    const unsigned low = second ? bytes[at] >> 4U : bytes[at], high = second ? bytes[at + 1] : bytes[at + 1] & 0xFU;
+    out[i] = static_cast<std::uint16_t>(second ? low | high << 4U : low | high << 8U);
+    at += second ? 2 : 1;
+  }
+  return samples;
+}
+
+cv::Mat demosaic_12p(const Image& image) {
+  cv::Mat deep, rgb;
+  cv::cvtColor(unpack_12p(image), deep, cv::COLOR_BayerRGGB2RGB);
+  deep.convertTo(rgb, CV_8U, 255.0 / 4095.0);
+  return rgb;
+}
+
 cv::Mat read(const std::filesystem::path& file, int flags) {
   cv::Mat picture;
   try {
@@ -41,6 +62,7 @@ cv::Mat read(const std::filesystem::path& file, int flags) {
 cv::Mat to_rgb(const Image& image) {
   // const_cast: cv::Mat has no read-only view; nothing below writes through it.
   auto* data = const_cast<std::uint8_t*>(image.pixels.get());
+  if (image.format == PixelFormat::bayer_rg12p) return demosaic_12p(image);
   if (image.format == PixelFormat::rgb8) return cv::Mat(image.height, image.width, CV_8UC3, data).clone();
   cv::Mat rgb;
   cv::cvtColor(cv::Mat(image.height, image.width, CV_8UC1, data), rgb, demosaic_code(image.format));

@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 using Words = std::set<std::string>;
 
-const Words kFormats{"Mono8", "BayerRG8", "BayerGR8", "BayerGB8", "BayerBG8"};
+const Words kFormats{"Mono8", "BayerRG8", "BayerGR8", "BayerGB8", "BayerBG8", "BayerRG12p"};
 const Words kTriggerModes{"action", "software", "line", "freerun"};
 const Words kBackdrops{"blue", "green"};
 const Words kSources{"aravis"};

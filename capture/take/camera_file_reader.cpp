@@ -167,6 +167,15 @@ std::optional<std::vector<std::uint8_t>> decode_ffv1(std::span<const std::uint8_
 
 }  // namespace
 
+namespace {
+
+// Pixels in a row of the stream, whose width counts bytes where pixels are packed.
+int pixels_across(int stream_width, PixelFormat format) {
+  return format == PixelFormat::bayer_rg12p ? stream_width * 2 / 3 : stream_width;
+}
+
+}  // namespace
+
 CameraFileHeader read_camera_file_header(const fs::path& file) {
   const AvInput input = open_input(file);
   if (input->nb_streams < 1) throw CorruptData(file, 0, "has no video track");
@@ -175,7 +184,7 @@ CameraFileHeader read_camera_file_header(const fs::path& file) {
   const auto format = tag == nullptr ? std::nullopt : pixel_format_from(tag->value);
   if (!format) throw CorruptData(file, 0, "has no PIXEL_FORMAT tag that names a pixel format");
   return {.camera = {.name = file.stem().string(),
-                     .width = stream.codecpar->width,
+                     .width = pixels_across(stream.codecpar->width, *format),
                      .height = stream.codecpar->height,
                      .format = *format},
           .fps = av_q2d(stream.avg_frame_rate)};
@@ -202,10 +211,11 @@ void CameraFileReader::index() {
   const bool ffv1 = camera_.format == PixelFormat::rgb8;
   if (parameters.codec_id != (ffv1 ? AV_CODEC_ID_FFV1 : AV_CODEC_ID_RAWVIDEO))
     throw CorruptData(file_, 0, fmt::format("does not hold {} as take.yaml says", to_string(camera_.format)));
-  if (parameters.width != camera_.width || parameters.height != camera_.height)
-    throw CorruptData(file_, 0,
-                      fmt::format("is {} x {}, take.yaml says {} x {}", parameters.width, parameters.height,
-                                  camera_.width, camera_.height));
+  const int width = pixels_across(parameters.width, camera_.format);
+  if (width != camera_.width || parameters.height != camera_.height)
+    throw CorruptData(
+        file_, 0,
+        fmt::format("is {} x {}, take.yaml says {} x {}", width, parameters.height, camera_.width, camera_.height));
   if (ffv1) ffv1_configuration_.assign(parameters.extradata, parameters.extradata + parameters.extradata_size);
   const AvPacket packet = make_packet();
   int result = 0;

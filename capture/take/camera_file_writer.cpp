@@ -53,7 +53,9 @@ void describe_raw(AVCodecParameters& parameters, const TakeCamera& camera) {
   parameters.codec_id = AV_CODEC_ID_RAWVIDEO;
   parameters.codec_tag = MKTAG('Y', '8', '0', '0');
   parameters.format = AV_PIX_FMT_GRAY8;
-  parameters.width = camera.width;
+  // As wide as a row has bytes: 12-bit pixels are packed.
+  const auto rows = static_cast<std::size_t>(camera.height);
+  parameters.width = static_cast<int>((image_bytes(camera.width, camera.height, camera.format) + rows - 1) / rows);
   parameters.height = camera.height;
 }
 

@@ -92,6 +92,8 @@ std::uint32_t pixel_code(capture::PixelFormat format) {
       return 0x0108000B;
     case capture::PixelFormat::rgb8:
       return 0x02180014;
+    case capture::PixelFormat::bayer_rg12p:
+      return 0x010C0059;
   }
   return 0;
 }

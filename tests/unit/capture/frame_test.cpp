@@ -7,7 +7,8 @@
 namespace rotunda::capture {
 
 TEST(PixelFormat, NamesComeBackAsTheSameFormat) {
-  for (const auto format : {PixelFormat::mono8, PixelFormat::bayer_rg8, PixelFormat::bayer_bg8, PixelFormat::rgb8})
+  for (const auto format : {PixelFormat::mono8, PixelFormat::bayer_rg8, PixelFormat::bayer_bg8, PixelFormat::rgb8,
+                            PixelFormat::bayer_rg12p})
     EXPECT_EQ(pixel_format_from(to_string(format)), format);
   EXPECT_FALSE(pixel_format_from("Mono12Packed"));
 }

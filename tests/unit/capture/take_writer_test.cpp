@@ -36,7 +36,7 @@ void record(const fs::path& folder, const std::vector<TakeCamera>& cameras, std:
 TEST(TakeWriter, GivesBackEveryFormatBitForBitWithItsTimes) {
   const TemporaryFolder root;
   for (const auto format : {PixelFormat::mono8, PixelFormat::bayer_rg8, PixelFormat::bayer_gr8, PixelFormat::bayer_gb8,
-                            PixelFormat::bayer_bg8, PixelFormat::rgb8}) {
+                            PixelFormat::bayer_bg8, PixelFormat::rgb8, PixelFormat::bayer_rg12p}) {
     const auto folder = root.path() / std::string(to_string(format));
     const auto cameras = cameras_of(2, 65, 47, format);
     record(folder, cameras, 0, 4);
