@@ -9,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "simulator/people/solid_noise.h"
+#include "simulator/studio/light.h"
 
 namespace rotunda::simulator {
 namespace {
@@ -66,16 +67,16 @@ void look_along(const capture::CameraModel& camera, int x, int y, cv::Vec3f& col
   colour = paint_at(p, kRoom + std::min(std::abs(p.z()), 6.0));
 }
 
-// What stands over the floor between two heights, spread the wider the higher it is.
+// What lies on the floor or close over it darkens it more than the shadow maps can tell: their cells are too coarse.
 struct Layer {
   double below;     // metres
   double spread;    // standard deviation of its shadow's edge, metres
   double strength;  // optical depth of full cover
 };
-constexpr std::array<Layer, 3> kLayers = {{{0.06, 0.015, 1.5}, {0.55, 0.07, 0.8}, {3.0, 0.26, 1.6}}};
+constexpr std::array<Layer, 2> kLayers = {{{0.06, 0.014, 1.4}, {0.25, 0.05, 0.45}}};
 
 constexpr double kCell = 0.0125;
-constexpr int kCells = 288;  // 3.6 m
+constexpr int kCells = 352;  // 4.4 m
 
 using Cover = std::array<cv::Mat, kLayers.size()>;
 
@@ -87,7 +88,8 @@ void add_cover(const recon::TriangleMesh& body, const ContactShadow& grid, Cover
     const int column = cvRound((middle.x() - grid.from_x) / kCell), row = cvRound((middle.y() - grid.from_y) / kCell);
     if (area <= 0.0F || column < 0 || row < 0 || column >= kCells || row >= kCells) continue;
     std::size_t layer = 0;
-    while (middle.z() > kLayers[layer].below && layer + 1 < kLayers.size()) ++layer;
+    while (layer < kLayers.size() && middle.z() > kLayers[layer].below) ++layer;
+    if (layer == kLayers.size()) continue;
     cover[layer].at<float>(row, column) += area / static_cast<float>(kCell * kCell);
   }
 }
@@ -97,6 +99,25 @@ Cover cover_of(const std::vector<recon::TriangleMesh>& surfaces, const ContactSh
   for (auto& layer : cover) layer = cv::Mat(kCells, kCells, CV_32FC1, cv::Scalar(0));
   for (const auto& surface : surfaces) add_cover(surface, grid, cover);
   return cover;
+}
+
+// Of lamps and walls, softly; the outermost metre runs out to full light, where the grid ends.
+cv::Mat lamp_shadow(const ContactShadow& grid, const ShadowMaps& maps) {
+  constexpr int kStep = 4, kCoarse = kCells / kStep;
+  cv::Mat coarse(kCoarse, kCoarse, CV_32FC1), light;
+  const double middle = 0.5 * (kCoarse - 1);
+  tbb::parallel_for(0, kCoarse, [&](int row) {
+    for (int column = 0; column < kCoarse; ++column) {
+      const Eigen::Vector3f p(static_cast<float>(grid.from_x + kCell * (kStep * (column + 0.5) - 0.5)),
+                              static_cast<float>(grid.from_y + kCell * (kStep * (row + 0.5) - 0.5)), 0.0F);
+      const double out = std::max(std::abs(row - middle), std::abs(column - middle)) / middle;
+      const auto share = static_cast<float>(std::clamp((1.0 - out) / 0.3, 0.0, 1.0));
+      coarse.at<float>(row, column) = 1.0F - share * (1.0F - floor_light(p, maps.at(p, Eigen::Vector3f::UnitZ())));
+    }
+  });
+  cv::resize(coarse, light, {kCells, kCells}, 0, 0, cv::INTER_LINEAR);
+  cv::GaussianBlur(light, light, {}, 2.5);
+  return light;
 }
 
 }  // namespace
@@ -122,7 +143,7 @@ float ContactShadow::at(float x, float y) const {
   return (1.0F - v) * ((1.0F - u) * upper[0] + u * upper[1]) + v * ((1.0F - u) * lower[0] + u * lower[1]);
 }
 
-ContactShadow contact_shadow(const std::vector<recon::TriangleMesh>& surfaces) {
+ContactShadow contact_shadow(const std::vector<recon::TriangleMesh>& surfaces, const ShadowMaps& maps) {
   Eigen::Vector3f middle = Eigen::Vector3f::Zero();
   const auto& performer = surfaces.front();
   for (const auto& p : performer.positions) middle += p / static_cast<float>(performer.positions.size());
@@ -137,22 +158,26 @@ ContactShadow contact_shadow(const std::vector<recon::TriangleMesh>& surfaces) {
     depth += kLayers[i].strength * cv::min(blurred, 1.2);
   }
   cv::exp(-depth, shadow.light);
+  shadow.light = shadow.light.mul(lamp_shadow(shadow, maps));
   return shadow;
 }
 
 void lay_shadow(const Backdrop& backdrop, const ContactShadow& shadow, cv::Mat& picture) {
-  for (int y = 0; y < picture.rows; ++y) {
-    const auto* floor = backdrop.floor.ptr<cv::Vec2f>(y);
-    auto* pixel = picture.ptr<cv::Vec3f>(y);
-    for (int x = 0; x < picture.cols; ++x) {
-      if (floor[x][0] == kNoFloor) continue;
-      const float light = shadow.at(floor[x][0], floor[x][1]);
-      if (light >= 0.999F) continue;
-      pixel[x][0] *= light * std::sqrt(std::sqrt(light));
-      pixel[x][1] *= light * std::sqrt(std::sqrt(std::sqrt(light)));
-      pixel[x][2] *= light;
+  tbb::parallel_for(tbb::blocked_range<int>(0, picture.rows, 16), [&](const tbb::blocked_range<int>& rows) {
+    for (int y = rows.begin(); y < rows.end(); ++y) {
+      const auto* floor = backdrop.floor.ptr<cv::Vec2f>(y);
+      auto* pixel = picture.ptr<cv::Vec3f>(y);
+      for (int x = 0; x < picture.cols; ++x) {
+        if (floor[x][0] == kNoFloor) continue;
+        const float light = shadow.at(floor[x][0], floor[x][1]);
+        if (light >= 0.999F) continue;
+        const float fourth = std::sqrt(std::sqrt(light));
+        pixel[x][0] *= light * fourth;
+        pixel[x][1] *= light * std::sqrt(fourth);
+        pixel[x][2] *= light;
+      }
     }
-  }
+  });
 }
 
 }  // namespace rotunda::simulator

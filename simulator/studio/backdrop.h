@@ -5,6 +5,7 @@
 
 #include "capture/camera_model.h"
 #include "recon/mesh/triangle_mesh.h"
+#include "simulator/studio/shadow.h"
 
 namespace rotunda::simulator {
 
@@ -20,7 +21,7 @@ struct ContactShadow {
   double from_x = 0.0, from_y = 0.0, cell = 0.0;  // metres: the middle of the first sample; sample spacing
   float at(float x, float y) const;               // bilinear; 1 outside
 };
-ContactShadow contact_shadow(const std::vector<recon::TriangleMesh>& surfaces);
+ContactShadow contact_shadow(const std::vector<recon::TriangleMesh>& surfaces, const ShadowMaps& maps);
 
 // Backdrop with the shadow on it, in `picture` (a copy of backdrop.linear); shadow on blue paint is bluer.
 void lay_shadow(const Backdrop& backdrop, const ContactShadow& shadow, cv::Mat& picture);

@@ -60,8 +60,7 @@ std::vector<capture::CameraModel> camera_layout(const LayoutOptions& options) {
     auto camera = look_at(centre, aim, options.width, options.height, fy / options.aspect, fy);
     camera.name = fmt::format("cam{:02}", i);
     camera.K(0, 1) = options.skew_px;
-    camera.distortion[0] = options.k1;
-    camera.distortion[1] = options.k2;
+    camera.distortion << options.k1, options.k2, options.p1, options.p2, options.k3;
     cameras.push_back(camera);
   }
   return cameras;

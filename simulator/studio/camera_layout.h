@@ -15,7 +15,7 @@ struct LayoutOptions {
   double subject_height = 2.3;    // metres at the aim point that fill the picture's height
   double aspect = 1.0;            // fy / fx
   double skew_px = 0.0;           // K[0][1]
-  double k1 = 0.0, k2 = 0.0;      // radial distortion
+  double k1 = 0.0, k2 = 0.0, p1 = 0.0, p2 = 0.0, k3 = 0.0;  // distortion, Brown-Conrady
 };
 
 // Cameras cam00, cam01, ...; throws InvalidInput outside 2 to 64 cameras or for an empty picture.

@@ -9,7 +9,7 @@ FrameCache::FrameCache(SceneRenderer& studio, capture::PixelFormat format, const
   for (int frame = 0; frame < studio.performance().frames(); ++frame) {
     auto& of_frame = pictures_.emplace_back();
     const auto pictures = studio.pictures(act_seconds(frame), static_cast<std::uint64_t>(frame));
-    for (const auto& picture : pictures) of_frame.push_back(encode_pixels(picture.rgb, format));
+    for (const auto& picture : pictures) of_frame.push_back(encode_pixels(picture.deep, format));
     if (on_frame) on_frame(frame, pictures);
   }
 }

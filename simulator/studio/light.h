@@ -2,11 +2,27 @@
 // The light of the simulated studio: soft boxes round the stage, and the blue that walls and floor throw back.
 // World frame, metres; linear light, in which white paper facing the lamps is about 0.9.
 #include <Eigen/Core>
+#include <array>
+
+#include "simulator/studio/shadow.h"
 
 namespace rotunda::simulator {
 
-// Light that falls on a surface point, red, green, blue. `openness`: how much of its surroundings it sees, 0 to 1.
-Eigen::Vector3f irradiance(const Eigen::Vector3f& position, const Eigen::Vector3f& normal, float openness);
+struct Lamp {
+  Eigen::Vector3f place;   // metres, world
+  Eigen::Vector3f colour;  // irradiance of a surface that faces it from the middle of the stage
+  float softness;          // how far past the horizon a surface is still lit: light goes into skin and nap
+  float size;              // edge of the soft box, metres
+};
+const std::array<Lamp, kLamps>& lamps();
+
+// Light that falls on a surface point, red, green, blue. `openness`: how much of its nearest surroundings (folds,
+// creases) it sees, 0 to 1; `visibility`: what the figures leave of lamps and walls.
+Eigen::Vector3f irradiance(const Eigen::Vector3f& position, const Eigen::Vector3f& normal, float openness,
+                           const Visibility& visibility);
+
+// What of the lamps' and the walls' light reaches the floor where figures stand in it, 0 to 1.
+float floor_light(const Eigen::Vector3f& position, const Visibility& visibility);
 
 // Blue reflected towards the eye at grazing angles (Schlick 1994, dielectric): the factor of kWallGlow.
 float grazing_reflection(const Eigen::Vector3f& normal, const Eigen::Vector3f& to_eye);

@@ -1,7 +1,7 @@
 #pragma once
 // The studio as its cameras see it: backdrop, shadow, figures, lens, sensor. Deterministic: a picture is a fixed
-// function of performance, camera, time, frame number and sensor seed. Owns an OpenGL context: use it from the thread
-// that made it, with no other context current there.
+// function of performance, camera, time, frame number and sensor options. Owns an OpenGL context: use it from the
+// thread that made it, with no other context current there.
 #include <memory>
 
 #include "playback/display/headless.h"
@@ -13,19 +13,21 @@
 namespace rotunda::simulator {
 
 struct ScenePicture {
-  cv::Mat rgb;    // CV_8UC3, sRGB, with noise, before the mosaic
-  cv::Mat matte;  // CV_8UC1: truth, the share of each pixel the figures cover, 255 all
+  cv::Mat deep;   // CV_16UC3, as the sensor gives it before the mosaic: for encode_pixels
+  cv::Mat rgb;    // CV_8UC3, the same in eight bits
+  cv::Mat matte;  // CV_8UC1: truth, the figures' share of each pixel's light while the shutter is open, 255 all
 };
 
+// `seconds` is the middle of the exposure, whatever its length: there the surfaces are those of the performance.
 class SceneRenderer {
  public:
   // `performance` is lent.
   SceneRenderer(const Performance& performance, std::vector<capture::CameraModel> cameras, SensorOptions sensor = {});
   ~SceneRenderer();
 
-  // The performance at a time (seconds) before camera `camera`; `frame` seeds the noise.
+  // The performance at a time before camera `camera`; `frame` seeds the noise.
   ScenePicture picture(std::size_t camera, double seconds, std::uint64_t frame);
-  // All cameras of one moment: the surfaces are worked out once.
+  // All cameras of one moment: surfaces, light and shadows are worked out once.
   std::vector<ScenePicture> pictures(double seconds, std::uint64_t frame);
   cv::Mat clean_plate(std::size_t camera);  // the empty studio, with noise
 
@@ -33,12 +35,16 @@ class SceneRenderer {
   const std::vector<capture::CameraModel>& cameras() const { return cameras_; }
 
  private:
-  ScenePicture compose(std::size_t camera, const std::vector<recon::TriangleMesh>& surfaces,
-                       const ContactShadow& shadow, std::uint64_t frame);
+  struct Moment;  // what all cameras see of one time
+  Moment moment_at(double seconds) const;
+  const LitFigures& figures_of(Moment& moment, std::size_t camera) const;
+  ScenePicture develop(std::size_t camera, const FigureLayer& layer, const ContactShadow& shadow,
+                       std::uint64_t frame) const;
 
   const Performance& performance_;
   std::vector<capture::CameraModel> cameras_;
-  SensorOptions sensor_;
+  SensorOptions options_;
+  std::vector<Sensor> sensors_;
   playback::HeadlessDisplay display_;
   std::vector<Backdrop> backdrops_;
   std::vector<std::unique_ptr<FigureRenderer>> renderers_;  // by supersampling: one for each picture width

@@ -13,35 +13,37 @@
 namespace rotunda::simulator {
 namespace {
 
-constexpr int kCurveSize = 8192;
+constexpr int kFullScale = 4095;
 constexpr std::uint32_t kNormals = 1U << 14;
+const cv::Vec3d kResponse(0.62, 1.0, 0.74);  // of the filters under studio light, beside green's
 
 double srgb_encode(double linear) {
   return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1.0 / 2.4) - 0.055;
 }
 
-const std::array<std::uint8_t, kCurveSize>& gamma_curve() {
-  static const auto curve = [] {
-    std::array<std::uint8_t, kCurveSize> table{};
-    for (std::size_t i = 0; i < table.size(); ++i)
-      table[i] = static_cast<std::uint8_t>(255.0 * srgb_encode(static_cast<double>(i) / (kCurveSize - 1)) + 0.5);
-    return table;
-  }();
-  return curve;
+std::vector<std::uint16_t> curve_with(double balance) {
+  std::vector<std::uint16_t> table(kFullScale + 1);
+  for (int code = 0; code <= kFullScale; ++code)
+    table[static_cast<std::size_t>(code)] =
+        static_cast<std::uint16_t>(kFullScale * srgb_encode(std::min(1.0, balance * code / kFullScale)) + 0.5);
+  return table;
 }
 
-// Normally distributed numbers by the inverse of their distribution: equal on every machine, unlike the library's.
+// Normally distributed numbers by Box and Muller (1958): equal on every machine, unlike the library's. Scaled to
+// variance 1.
 const std::vector<float>& normals() {
   static const auto table = [] {
     std::vector<float> values(kNormals);
     std::mt19937 random(20221);
     const auto uniform = [&] { return (static_cast<double>(random()) + 0.5) * 0x1p-32; };
-    for (std::size_t i = 0; i + 1 < values.size(); i += 2) {  // Box and Muller 1958
-      const double u = uniform(), v = uniform();
-      const double r = std::sqrt(-2.0 * std::log(u)), angle = 2.0 * std::numbers::pi * v;
+    double squares = 0.0;
+    for (std::size_t i = 0; i + 1 < values.size(); i += 2) {
+      const double r = std::sqrt(-2.0 * std::log(uniform())), angle = 2.0 * std::numbers::pi * uniform();
       values[i] = static_cast<float>(r * std::cos(angle));
       values[i + 1] = static_cast<float>(r * std::sin(angle));
+      squares += r * r;
     }
+    for (float& value : values) value *= static_cast<float>(std::sqrt(kNormals / squares));
     return values;
   }();
   return table;
@@ -57,44 +59,103 @@ struct Xorshift {
   }
 };
 
-cv::Vec3f channel_gains(std::size_t camera, const SensorOptions& options) {
-  const auto spread = [&](std::int64_t what) {
-    return 2.0 * hashed_unit(static_cast<std::int64_t>(camera), what, 0, options.seed) - 1.0;
-  };
-  const double gain = 1.0 + options.gain_spread * spread(1);
-  return {static_cast<float>(gain * (1.0 + options.balance_spread * spread(2))), static_cast<float>(gain),
-          static_cast<float>(gain * (1.0 + options.balance_spread * spread(3)))};
+// Uniform from -1 to 1: how a camera differs from the others in one property.
+double deviation(std::size_t camera, std::int64_t property, std::uint32_t seed) {
+  return 2.0 * hashed_unit(static_cast<std::int64_t>(camera), property, 0, seed) - 1.0;
+}
+
+// cos^4 of the angle to the axis, scaled so that the corner loses `loss`; times each pixel's own sensitivity.
+cv::Mat flat_field(cv::Size size, double loss, double pixel_spread, std::uint32_t seed) {
+  const double middle_x = 0.5 * (size.width - 1), middle_y = 0.5 * (size.height - 1);
+  const double corner = 1.0 / std::sqrt(1.0 - loss) - 1.0;  // tan^2 there
+  const double scale = corner / (middle_x * middle_x + middle_y * middle_y);
+  const auto& normal = normals();
+  cv::Mat flat(size, CV_32FC1);
+  tbb::parallel_for(0, size.height, [&](int y) {
+    Xorshift random{static_cast<std::uint32_t>(hashed_unit(y, 1, 0, seed) * 4294967295.0) | 1U};
+    for (int x = 0; x < size.width; ++x) {
+      const double r2 = (x - middle_x) * (x - middle_x) + (y - middle_y) * (y - middle_y);
+      const double spread = 1.0 + pixel_spread * static_cast<double>(normal[random.next() >> 18]);
+      flat.at<float>(y, x) = static_cast<float>(spread / ((1.0 + scale * r2) * (1.0 + scale * r2)));
+    }
+  });
+  return flat;
 }
 
 }  // namespace
 
-cv::Mat expose(const cv::Mat& linear, std::size_t camera, std::uint64_t frame, const SensorOptions& options) {
-  const cv::Vec3f gains = channel_gains(camera, options);
-  const auto shot = static_cast<float>(1.0 / options.full_well);
-  const auto read = static_cast<float>(std::pow(options.read_noise / options.full_well, 2));
-  const auto& curve = gamma_curve();
+CameraSettings settings_of(const SensorOptions& options, std::size_t camera) {
+  return camera < options.cameras.size() ? options.cameras[camera] : CameraSettings{};
+}
+
+Sensor::Sensor(cv::Size size, std::size_t camera, const SensorOptions& options)
+    : camera_(camera),
+      settings_(settings_of(options, camera)),
+      seed_(options.seed),
+      read_noise_(static_cast<float>(options.read_noise)),
+      codes_per_electron_(
+          static_cast<float>(kFullScale / options.full_well * std::pow(10.0, settings_.gain_db / 20.0))) {
+  const double exposed = options.full_well * settings_.exposure_s / kReferenceExposure *
+                         (1.0 + options.gain_spread * deviation(camera, 1, seed_));
+  const cv::Vec3d asked(settings_.red_balance, 1.0, settings_.blue_balance);
+  for (int c = 0; c < 3; ++c) {
+    electrons_[c] = static_cast<float>(exposed * kResponse[c]);
+    const double residue = c == 1 ? 0.0 : options.balance_spread * deviation(camera, c == 0 ? 2 : 3, seed_);
+    curve_[c] = curve_with(asked[c] * (1.0 + residue) / kResponse[c]);
+  }
+  const auto camera_seed = static_cast<std::uint32_t>(seed_ + 7919 * (camera + 1));
+  const double loss = options.vignetting * (1.0 + deviation(camera, 4, seed_) / 3.0);
+  flat_ = flat_field(size, std::clamp(loss, 0.0, 0.9), options.pixel_spread, camera_seed);
+  draw_hot_pixels(options);
+}
+
+// Dark currents of hot pixels spread over decades; twenty thousand electrons a second show at 5 ms.
+void Sensor::draw_hot_pixels(const SensorOptions& options) {
+  std::mt19937 random(static_cast<std::uint32_t>(seed_ + 104729 * (camera_ + 1)));
+  const auto count = static_cast<int>(options.hot_pixels_per_mega * 1e-6 * flat_.size().area() + 0.5);
+  for (int i = 0; i < count; ++i) {
+    const int x = static_cast<int>(random() % static_cast<unsigned>(flat_.cols));
+    const int y = static_cast<int>(random() % static_cast<unsigned>(flat_.rows));
+    const double current = std::pow(10.0, 3.7 + 1.8 * static_cast<double>(random()) * 0x1p-32);  // 5,000 to 300,000 e/s
+    hot_.push_back({x, y, static_cast<float>(current * settings_.exposure_s)});
+  }
+  std::sort(hot_.begin(), hot_.end(), [](const HotPixel& a, const HotPixel& b) { return a.y < b.y; });
+}
+
+cv::Mat Sensor::expose(const cv::Mat& linear, std::uint64_t frame) const {
   const auto& normal = normals();
-  const float middle_x = 0.5F * static_cast<float>(linear.cols - 1),
-              middle_y = 0.5F * static_cast<float>(linear.rows - 1);
-  const float darkening = static_cast<float>(options.vignetting) / (middle_x * middle_x + middle_y * middle_y);
-  cv::Mat picture(linear.size(), CV_8UC3);
-  tbb::parallel_for(0, linear.rows, [&](int y) {
-    const double draw =
-        hashed_unit(static_cast<std::int64_t>(camera), static_cast<std::int64_t>(frame), y, options.seed + 9);
-    Xorshift random{static_cast<std::uint32_t>(draw * 4294967295.0) | 1U};
-    const auto* in = linear.ptr<cv::Vec3f>(y);
-    auto* out = picture.ptr<cv::Vec3b>(y);
-    const float dy = static_cast<float>(y) - middle_y;
-    for (int x = 0; x < linear.cols; ++x) {
-      const float dx = static_cast<float>(x) - middle_x;
-      const float lens = 1.0F - darkening * (dx * dx + dy * dy);
-      for (int c = 0; c < 3; ++c) {
-        const float light = in[x][c] * lens * gains[c];
-        const float noisy = light + std::sqrt(light * shot + read) * normal[random.next() >> 18];
-        out[x][c] = curve[static_cast<std::size_t>(std::clamp(noisy, 0.0F, 1.0F) * (kCurveSize - 1) + 0.5F)];
-      }
+  cv::Mat picture(linear.size(), CV_16UC3);
+  const float read2 = read_noise_ * read_noise_;
+  tbb::parallel_for(tbb::blocked_range<int>(0, linear.rows, 16), [&](const tbb::blocked_range<int>& rows) {
+    std::vector<cv::Vec3f> electrons(static_cast<std::size_t>(linear.cols));
+    for (int y = rows.begin(); y < rows.end(); ++y) {
+      const auto* in = linear.ptr<cv::Vec3f>(y);
+      const auto* flat = flat_.ptr<float>(y);
+      for (int x = 0; x < linear.cols; ++x)
+        for (int c = 0; c < 3; ++c) electrons[static_cast<std::size_t>(x)][c] = in[x][c] * flat[x] * electrons_[c];
+      for (auto hot =
+               std::lower_bound(hot_.begin(), hot_.end(), y, [](const HotPixel&h, int row) { return h.y < row; });
+           hot != hot_.end() && hot->y == y; ++hot)
+        electrons[static_cast<std::size_t>(hot->x)] += cv::Vec3f::all(hot->electrons);
+      const double draw =
+          hashed_unit(static_cast<std::int64_t>(camera_), static_cast<std::int64_t>(frame), y, seed_ + 9);
+      Xorshift random{static_cast<std::uint32_t>(draw * 4294967295.0) | 1U};
+      auto* out = picture.ptr<cv::Vec3w>(y);
+      for (int x = 0; x < linear.cols; ++x)
+        for (int c = 0; c < 3; ++c) {
+          const float mean = electrons[static_cast<std::size_t>(x)][c];
+          const float code = codes_per_electron_ * (mean + std::sqrt(mean + read2) * normal[random.next() >> 18]);
+          out[x][c] =
+              curve_[c][static_cast<std::size_t>(std::clamp(code + 0.5F, 0.0F, static_cast<float>(kFullScale)))];
+        }
     }
   });
+  return picture;
+}
+
+cv::Mat to_8bit(const cv::Mat& deep) {
+  cv::Mat picture;
+  deep.convertTo(picture, CV_8U, 255.0 / kFullScale);
   return picture;
 }
 

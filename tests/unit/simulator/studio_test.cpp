@@ -97,25 +97,6 @@ TEST(SceneRenderer, TheEmptyStudioIsBlue) {
   EXPECT_GT(mean[1], mean[0]);
 }
 
-TEST(PixelEncoding, BayerRG8HasRedFirst) {
-  const cv::Mat rgb(4, 6, CV_8UC3, cv::Scalar(200, 100, 50));
-  const auto bytes = encode_pixels(rgb, capture::PixelFormat::bayer_rg8);
-  EXPECT_EQ(bytes[0], 200);
-  EXPECT_EQ(bytes[1], 100);
-  EXPECT_EQ(bytes[6], 100);
-  EXPECT_EQ(bytes[7], 50);
-}
-
-TEST(PixelEncoding, EveryFormatComesBackAsTheColourItWas) {
-  const cv::Mat rgb(8, 8, CV_8UC3, cv::Scalar(200, 100, 50));
-  using enum capture::PixelFormat;
-  for (const auto format : {bayer_rg8, bayer_gr8, bayer_gb8, bayer_bg8, rgb8}) {
-    const auto image = capture::make_image(8, 8, format, encode_pixels(rgb, format));
-    const auto middle = capture::to_rgb(image).at<cv::Vec3b>(4, 4);
-    EXPECT_EQ(middle, cv::Vec3b(200, 100, 50)) << capture::to_string(format);
-  }
-}
-
 TEST(FrameCache, ShowsWhatTheTimeOfExposureSays) {
   const auto at = [](std::int64_t ms) { return capture::Timestamp(std::chrono::milliseconds(ms)); };
   EXPECT_EQ(act_frame_at(at(0), 26), 0);
