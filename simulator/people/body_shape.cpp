@@ -5,20 +5,15 @@
 #include <cmath>
 #include <limits>
 
+#include "simulator/people/blend.h"
+#include "simulator/people/body_trunk.h"
+#include "simulator/people/hair.h"
 #include "simulator/people/solid_noise.h"
 
 namespace rotunda::simulator {
 namespace {
 
 using Eigen::Vector3d;
-
-double smooth_min(double a, double b, double width) {
-  const double h = std::max(width - std::abs(a - b), 0.0) / width;
-  return std::min(a, b) - h * h * width * 0.25;
-}
-double smooth_max(double a, double b, double width) {
-  return -smooth_min(-a, -b, width);
-}
 
 struct AxisPlace {
   double t;  // along a-b, not clamped
@@ -40,45 +35,13 @@ double cone_distance(const BodyPart& part, const Vector3d& p) {
 }
 
 double ellipsoid_distance(const BodyPart& part, const Vector3d& p) {
-  const Vector3d q = (p - part.a).cwiseQuotient(part.radii);
+  const Vector3d q = (part.axes * (p - part.a)).cwiseQuotient(part.radii);
   const double k0 = q.norm(), k1 = q.cwiseQuotient(part.radii).norm();
   return k1 > 1e-9 ? k0 * (k0 - 1.0) / k1 : -part.radii.minCoeff();
 }
 
-// Cross-sections of the trunk, from the crotch to the neck, of a body of 1.75 m: height, middle, half depth, half
-// width.
-struct Section {
-  double z, middle, depth, width;
-};
-constexpr std::array<Section, 11> kTrunk = {{{0.84, -0.012, 0.105, 0.140},
-                                             {0.89, -0.012, 0.122, 0.176},
-                                             {0.95, -0.008, 0.120, 0.178},
-                                             {1.02, -0.006, 0.112, 0.164},
-                                             {1.10, -0.008, 0.108, 0.154},
-                                             {1.20, -0.012, 0.113, 0.160},
-                                             {1.30, -0.016, 0.121, 0.176},
-                                             {1.38, -0.020, 0.112, 0.180},
-                                             {1.43, -0.022, 0.090, 0.150},
-                                             {1.47, -0.022, 0.072, 0.105},
-                                             {1.52, -0.018, 0.060, 0.070}}};
-
-double catmull_rom(double p0, double p1, double p2, double p3, double t) {
-  return p1 + 0.5 * t * (p2 - p0 + t * (2 * p0 - 5 * p1 + 4 * p2 - p3 + t * (3 * (p1 - p2) + p3 - p0)));
-}
-
-Section section_at(double z) {
-  const double inside = std::clamp(z, kTrunk.front().z, kTrunk.back().z - 1e-9);
-  std::size_t i = 0;
-  while (kTrunk[i + 1].z <= inside) ++i;
-  const Section &a = kTrunk[i > 0 ? i - 1 : 0], &b = kTrunk[i], &c = kTrunk[i + 1];
-  const Section& d = kTrunk[std::min(i + 2, kTrunk.size() - 1)];
-  const double t = (inside - b.z) / (c.z - b.z);
-  return {z, catmull_rom(a.middle, b.middle, c.middle, d.middle, t), catmull_rom(a.depth, b.depth, c.depth, d.depth, t),
-          catmull_rom(a.width, b.width, c.width, d.width, t)};
-}
-
 constexpr double kShirtHem = 0.900;  // metres above the floor, of a body of 1.75 m
-constexpr double kHemStep = 0.009;   // how far the shirt stands off the trousers
+constexpr double kHemStep = 0.009;   // how far a loose shirt stands off the trousers
 
 Joint trunk_joint(double z) {
   if (z < 1.03) return Joint::pelvis;
@@ -92,19 +55,19 @@ bool is_cloth(Material material) {
 
 }  // namespace
 
+HeadFrame::HeadFrame(const Skeleton& skeleton, const BodyBuild& build)
+    : joint(skeleton.joint[index(Joint::head)]),
+      reference_joint(0.0, 0.0, 0.890 * 1.75),
+      // Head heights of people of 1.55 m and 1.95 m differ by a tenth, not by a quarter (ISO 7250-2).
+      scale(std::pow(build.height / 1.75, 0.5) * (build.sex == Sex::male ? 1.0 : 0.985)) {}
+
 BodyShape::BodyShape(const Skeleton& skeleton, const BodyBuild& build)
-    : build_(build), parts_(body_parts(skeleton, build)) {}
+    : build_(build), head_(skeleton, build), parts_(body_parts(skeleton, build)) {}
 
 double BodyShape::trunk_distance(const Vector3d& p) const {
   const double scale = build_.height / 1.75;
   const Vector3d q = p / scale;
-  const Section s = section_at(q.z());
-  const double hang = q.z() > kShirtHem ? kHemStep : 0.0;
-  const Eigen::Vector2d r(s.depth * build_.girth + hang, s.width * build_.girth + hang);
-  const Eigen::Vector2d unit = Eigen::Vector2d(q.x() - s.middle, q.y()).cwiseQuotient(r);
-  const double k0 = unit.norm(), k1 = unit.cwiseQuotient(r).norm();
-  const double side = k1 > 1e-9 ? k0 * (k0 - 1.0) / k1 : -r.minCoeff();
-  return scale * smooth_max(smooth_max(side, q.z() - 1.50, 0.05), 0.845 - q.z(), 0.04);
+  return scale * rotunda::simulator::trunk_distance(build_, q, q.z() > kShirtHem ? kHemStep * build_.ease : 0.0);
 }
 
 // Creases of cloth: long across the limb, short along it.
@@ -125,8 +88,11 @@ double BodyShape::part_distance(const BodyPart& part, const Vector3d& p) const {
     case BodyPart::Kind::trunk:
       d = trunk_distance(p);
       break;
+    case BodyPart::Kind::scalp:
+      d = head_.scale * hair_distance(build_, head_.to_reference(p));
+      break;
   }
-  return is_cloth(part.material) && std::abs(d) < 0.05 ? d + fold(p) : d;
+  return is_cloth(part.material) && std::abs(d) < 0.05 ? d + (0.35 + 0.65 * build_.ease) * fold(p) : d;
 }
 
 double BodyShape::distance(const Vector3d& p) const {
@@ -164,7 +130,7 @@ std::size_t BodyShape::nearest_part(const Vector3d& p) const {
 
 BodyPlace BodyShape::place_on(std::size_t part_index, const Vector3d& p) const {
   const BodyPart& part = parts_[part_index];
-  BodyPlace place{part.material, part.joint, 0.0, 0.0};
+  BodyPlace place{part.material, part.joint};
   const double z = p.z() * 1.75 / build_.height;
   if (part.kind == BodyPart::Kind::trunk) place.joint = trunk_joint(z);
   if (part.material == Material::shirt && place.joint == Joint::pelvis && z < kShirtHem)
@@ -175,6 +141,7 @@ BodyPlace BodyShape::place_on(std::size_t part_index, const Vector3d& p) const {
   const Vector3d side = axis.cross(Vector3d::UnitX()).normalized(), front = side.cross(axis);
   const Vector3d from = p - part.a;
   place.along = axial ? from.dot(axis) : -p.z();
+  place.to_end = (part.b - part.a).norm() - place.along;
   place.around = std::atan2(from.dot(side), from.dot(front));
   return place;
 }

@@ -4,34 +4,15 @@
 #include <cmath>
 #include <numbers>
 
+#include "simulator/people/paint.h"
+#include "simulator/people/skin_colour.h"
 #include "simulator/people/solid_noise.h"
 
 namespace rotunda::simulator {
 namespace {
 
+using namespace paint;
 using Eigen::Vector3d;
-
-Vector3d rgb(const recon::Colour& colour) {
-  return Vector3d(colour[0], colour[1], colour[2]) / 255.0;
-}
-Vector3d mix(const Vector3d& a, const Vector3d& b, double t) {
-  return a + (b - a) * std::clamp(t, 0.0, 1.0);
-}
-
-// 1 within `half` of zero, falling to 0 over `soft`.
-double band(double x, double half, double soft) {
-  return std::clamp((half + soft - std::abs(x)) / soft, 0.0, 1.0);
-}
-double step_up(double x, double soft) {
-  return std::clamp(x / soft * 0.5 + 0.5, 0.0, 1.0);
-}
-// Distance from the nearest multiple of `period`.
-double from_line(double x, double period) {
-  return x - period * std::round(x / period);
-}
-double disc(double dx, double dy, double radius, double soft) {
-  return band(std::hypot(dx, dy), radius, soft);
-}
 
 struct Spot {
   const Clothing& clothing;
@@ -135,79 +116,6 @@ Vector3d shoe_colour(const Spot& spot) {
   return mix(colour, Vector3d(0.85, 0.72, 0.45), 0.7 * welt);
 }
 
-// The eyes lie on x = 0.088, at the heights and distances body_parts gives them.
-Vector3d eye_colour(const Spot& spot, Vector3d colour) {
-  const Vector3d& p = spot.p;
-  const double dy = std::abs(p.y()) - 0.0325, dz = p.z() - 1.649;
-  const double lid = std::abs(dz) - 0.0062 * std::sqrt(std::max(0.0, 1.0 - dy * dy / (0.0155 * 0.0155)));
-  const double open = std::abs(dy) < 0.0155 ? step_up(-lid, 0.0012) : 0.0;
-  colour = mix(colour, Vector3d(0.24, 0.13, 0.10), std::abs(dy) < 0.0175 ? 0.85 * band(lid, 0.001, 0.0016) : 0.0);
-  Vector3d ball(0.92, 0.89, 0.86);
-  ball = mix(ball, rgb(spot.clothing.iris), disc(dy, dz, 0.0056, 0.0008));
-  ball = mix(ball, Vector3d(0.03, 0.03, 0.03), disc(dy, dz, 0.0024, 0.0006));
-  ball = mix(ball, Vector3d(1.0, 1.0, 1.0), disc(dy - 0.002, dz - 0.0022, 0.0009, 0.0006));
-  return mix(colour, ball, open);
-}
-
-Vector3d face_colour(const Spot& spot, Vector3d colour) {
-  const Vector3d& p = spot.p;
-  const double side = std::abs(p.y());
-  const Vector3d lips(0.72, 0.36, 0.33), hair = rgb(spot.clothing.hair);
-  colour = mix(colour, Vector3d(0.86, 0.50, 0.43), 0.35 * disc(side - 0.045, p.z() - 1.605, 0.012, 0.025));
-  colour = mix(colour, Vector3d(0.84, 0.48, 0.42), 0.30 * disc(p.y(), p.z() - 1.612, 0.008, 0.012));
-  const double beard = band(p.z() - 1.555, 0.035, 0.02) * step_up(0.075 - side, 0.03);
-  colour = mix(colour, hair, beard * (0.16 + 0.16 * spot.grain(0.004, 41)));
-  const double mouth = p.z() - 1.573 - 6.0 * p.y() * p.y();
-  const double width = std::max(0.0, 1.0 - p.y() * p.y() / (0.026 * 0.026));
-  colour = mix(colour, lips, 0.75 * band(mouth, 0.0085 * width, 0.002) * (width > 0 ? 1 : 0));
-  colour = mix(colour, Vector3d(0.30, 0.10, 0.10), 0.85 * band(mouth, 0.0010, 0.0012) * (width > 0 ? 1 : 0));
-  const double brow =
-      p.z() - 1.668 + 0.30 * std::max(0.0, side - 0.036) - 0.012 * std::sin((side - 0.012) * 60.0) * 0.3;
-  colour = mix(colour, hair,
-               (0.85 + 0.3 * spot.grain(0.004, 42)) * band(brow, 0.0036, 0.002) * band(side - 0.034, 0.019, 0.004));
-  colour = mix(colour, Vector3d(0.35, 0.16, 0.13), 0.8 * disc(side - 0.0075, (p.z() - 1.6005) * 1.6, 0.0030, 0.002));
-  return eye_colour(spot, colour);
-}
-
-// Gaps between the fingers, creases of the knuckles, nails. The wrist is where make_skeleton puts it.
-Vector3d hand_colour(const Spot& spot, Vector3d colour) {
-  const Vector3d& p = spot.p;
-  const double along = ((std::abs(p.y()) - 0.5787) + (1.0208 - p.z())) * std::numbers::sqrt2 / 2.0;
-  const double across = p.x() + 0.014, half = 0.038 - 0.12 * (along - 0.09);
-  if (along > 0.088 && std::abs(across) < half) {
-    colour = mix(colour, colour * 0.62,
-                 std::abs(across) < 0.7 * half ? band(from_line(across, 0.5 * half), 0.0008, 0.0020) : 0.0);
-    for (const double knuckle : {0.112, 0.134}) colour = mix(colour, colour * 0.8, band(along - knuckle, 0.001, 0.002));
-    colour = mix(colour, Vector3d(0.93, 0.78, 0.72),
-                 0.6 * disc(from_line(across - 0.25 * half, 0.5 * half), (along - 0.160) * 0.7, 0.0035, 0.002));
-  }
-  return mix(colour, colour.cwiseProduct(Vector3d(1.0, 0.86, 0.82)), 0.6 * step_up(along - 0.07, 0.06));
-}
-
-Vector3d skin_colour(const Spot& spot) {
-  Vector3d colour = rgb(spot.clothing.skin);
-  colour = colour.cwiseProduct(Vector3d(1.0, 0.95, 0.93) +
-                               Vector3d(0.05, 0.09, 0.10) * fractal_noise(spot.p / 0.02, 3, spot.seed + 51));
-  const Vector3d cell = (spot.p / 0.016).array().floor();
-  const auto freckle = [&](int axis) {
-    return hashed_unit(static_cast<std::int64_t>(cell.x()), static_cast<std::int64_t>(cell.y()),
-                       static_cast<std::int64_t>(cell.z()), spot.seed + 60U + static_cast<std::uint32_t>(axis));
-  };
-  const Vector3d centre = cell + Vector3d(0.3, 0.3, 0.3) + 0.4 * Vector3d(freckle(0), freckle(1), freckle(2));
-  colour = mix(colour, Vector3d(0.50, 0.30, 0.20),
-               0.5 * band((spot.p / 0.016 - centre).norm(), 0.08, 0.12) * (freckle(3) < 0.35 ? 1 : 0));
-  const Joint j = spot.place.joint;
-  if (j == Joint::hand_left || j == Joint::hand_right) return hand_colour(spot, colour);
-  if (j == Joint::head && spot.p.x() > 0.03) return face_colour(spot, colour);
-  return colour;
-}
-
-Vector3d hair_colour(const Spot& spot) {
-  const Vector3d& p = spot.p;
-  const Vector3d strand(p.x() / 0.020, p.y() / 0.004, p.z() / 0.010);
-  return rgb(spot.clothing.hair) * (1.0 + 0.55 * solid_noise(strand, spot.seed + 71) + 0.25 * spot.grain(0.03, 72));
-}
-
 Vector3d sole_colour(const Spot& spot) {
   return rgb(spot.clothing.sole) * (1.0 + 0.2 * spot.grain(0.007, 81));
 }
@@ -219,10 +127,10 @@ Vector3d colour_at(const BodyShape& shape, const Clothing& clothing, const Vecto
   Vector3d colour = Vector3d::Zero();
   switch (spot.place.material) {
     case Material::skin:
-      colour = skin_colour(spot);
+      colour = skin_colour(shape, clothing, p, place);
       break;
     case Material::hair:
-      colour = hair_colour(spot);
+      colour = hair_colour(shape, clothing, p);
       break;
     case Material::shirt:
       colour = shirt_colour(spot);

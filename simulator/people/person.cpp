@@ -12,9 +12,93 @@
 namespace rotunda::simulator {
 namespace {
 
+// A slim woman of 1.64 m with a ponytail.
+PersonDescription anna() {
+  PersonDescription anna{.name = "anna"};
+  anna.build = {.height = 1.64,
+                .girth = 0.95,
+                .seed = 2,
+                .sex = Sex::female,
+                .proportions = {.shoulders = 0.90, .hips = 0.98, .arms = 0.985},
+                .limbs = 0.93,
+                .ease = 0.0,
+                .hair = HairStyle::ponytail,
+                .face = {.nose_width = 0.93, .lips = 1.05, .jaw = 0.97}};
+  auto& look = anna.clothing;
+  look.skin = {226, 180, 158}, look.hair = {128, 88, 50}, look.iris = {84, 112, 124}, look.lips = {190, 98, 96};
+  look.shirt = {214, 178, 66}, look.shirt_check = {196, 160, 56}, look.shirt_line = {236, 214, 150};
+  look.trousers = {58, 62, 78}, look.shoe = {206, 200, 192}, look.sole = {230, 226, 218};
+  look.freckles = 0.22;
+  return anna;
+}
+
+// A tall, broad man, dark skinned, bald and bearded.
+PersonDescription bo() {
+  PersonDescription bo{.name = "bo"};
+  bo.build = {.height = 1.88,
+              .girth = 1.03,
+              .seed = 3,
+              .proportions = {.shoulders = 1.06, .legs = 1.01},
+              .waist = 1.03,
+              .limbs = 1.08,
+              .belly = 0.02,
+              .ease = 0.6,
+              .hair = HairStyle::bald,
+              .face = {.nose_width = 1.22, .lips = 1.28, .jaw = 1.06, .brow = 1.05, .beard = 0.007}};
+  auto& look = bo.clothing;
+  look.skin = {122, 80, 58}, look.hair = {34, 26, 24}, look.iris = {52, 34, 24}, look.lips = {122, 70, 66};
+  look.shirt = {196, 198, 196}, look.shirt_check = {178, 182, 182}, look.shirt_line = {160, 120, 96};
+  look.trousers = {74, 66, 60}, look.shoe = {48, 40, 38}, look.sole = {34, 32, 32};
+  look.stubble = 0.0, look.blush = 0.5, look.freckles = 0.0;
+  return bo;
+}
+
+// A fuller woman of 1.70 m with a dark bob.
+PersonDescription carla() {
+  PersonDescription carla{.name = "carla"};
+  carla.build = {.height = 1.70,
+                 .girth = 1.07,
+                 .seed = 4,
+                 .sex = Sex::female,
+                 .proportions = {.shoulders = 0.93, .hips = 1.04, .arms = 0.985},
+                 .waist = 1.05,
+                 .bust = 1.12,
+                 .limbs = 1.06,
+                 .belly = 0.012,
+                 .ease = 0.0,
+                 .hair = HairStyle::bob,
+                 .face = {.nose_width = 1.04, .lips = 1.18, .jaw = 1.0, .brow = 1.15, .cheeks = 1.08}};
+  auto& look = carla.clothing;
+  look.skin = {198, 146, 116}, look.hair = {40, 28, 24}, look.iris = {70, 46, 28}, look.lips = {172, 74, 76};
+  look.shirt = {132, 40, 62}, look.shirt_check = {112, 32, 54}, look.shirt_line = {196, 120, 124};
+  look.trousers = {60, 54, 58}, look.shoe = {52, 40, 40}, look.sole = {40, 34, 34};
+  return carla;
+}
+
+// A lean older man of 1.80 m, grey.
+PersonDescription dan() {
+  PersonDescription dan{.name = "dan"};
+  dan.build = {
+      .height = 1.80,
+      .girth = 0.97,
+      .hair_volume = 0.75,
+      .seed = 5,
+      .proportions = {.shoulders = 1.0, .legs = 1.005},
+      .limbs = 0.95,
+      .belly = 0.025,
+      .ease = 0.8,
+      .face = {.nose_width = 1.05, .nose_length = 1.18, .lips = 0.8, .jaw = 0.96, .brow = 1.15, .cheeks = 0.95}};
+  auto& look = dan.clothing;
+  look.skin = {220, 172, 152}, look.hair = {150, 146, 142}, look.iris = {96, 120, 132}, look.lips = {180, 112, 106};
+  look.shirt = {112, 122, 148}, look.shirt_check = {98, 108, 136}, look.shirt_line = {140, 150, 172};
+  look.trousers = {70, 66, 62}, look.shoe = {58, 40, 30}, look.sole = {36, 32, 30};
+  look.stubble = 0.30, look.blush = 1.0;
+  return dan;
+}
+
 // To add a person: a row here.
 std::vector<PersonDescription> descriptions() {
-  return {{"alex", BodyBuild{}, Clothing{}}};
+  return {{"alex", BodyBuild{}, Clothing{}}, anna(), bo(), carla(), dan()};
 }
 
 std::vector<std::size_t> vertex_parts(const recon::TriangleMesh& mesh, const BodyShape& shape) {
@@ -58,7 +142,7 @@ std::vector<float> vertex_openness(const recon::TriangleMesh& mesh, const BodySh
 Person make_person(const PersonDescription& description) {
   Person person;
   person.name = description.name;
-  person.skeleton = make_skeleton(description.build.height);
+  person.skeleton = make_skeleton(description.build.height, description.build.proportions);
   const BodyShape shape(person.skeleton, description.build);
   person.bind = body_mesh(shape, person.skeleton, description.coarseness);
   const auto parts = vertex_parts(person.bind, shape);

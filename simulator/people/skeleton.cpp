@@ -56,27 +56,28 @@ constexpr std::array<JointRow, kJoints> kJointTable = {{
     {"toes_right", foot_right},
 }};
 
-void place_leg(Skeleton& skeleton, Side side, double h) {
+void place_leg(Skeleton& skeleton, Side side, double h, const Proportions& proportions) {
   const double s = sign_of(side);
   const Eigen::Vector3d down(0.0, s * std::sin(skeleton.leg_angle), -std::cos(skeleton.leg_angle));
   auto& joint = skeleton.joint;
   const auto at = [&](Joint left) -> Eigen::Vector3d& { return joint[index(on_side(left, side))]; };
-  at(Joint::thigh_left) = Eigen::Vector3d(0.0, s * 0.0525 * h, 0.535 * h);
-  at(Joint::shank_left) = at(Joint::thigh_left) + 0.245 * h * down;
-  at(Joint::foot_left) = at(Joint::shank_left) + 0.240 * h * down;
+  at(Joint::thigh_left) =
+      Eigen::Vector3d(0.0, s * 0.0525 * h * proportions.hips, (0.050 + 0.485 * proportions.legs) * h);
+  at(Joint::shank_left) = at(Joint::thigh_left) + 0.245 * h * proportions.legs * down;
+  at(Joint::foot_left) = at(Joint::shank_left) + 0.240 * h * proportions.legs * down;
   at(Joint::toes_left) = at(Joint::foot_left) + Eigen::Vector3d(0.077 * h, 0.0, 0.0);
   at(Joint::toes_left).z() = 0.016 * h;
 }
 
-void place_arm(Skeleton& skeleton, Side side, double h) {
+void place_arm(Skeleton& skeleton, Side side, double h, const Proportions& proportions) {
   const double s = sign_of(side);
   const Eigen::Vector3d out(0.0, s * std::sin(skeleton.arm_angle), -std::cos(skeleton.arm_angle));
   auto& joint = skeleton.joint;
   const auto at = [&](Joint left) -> Eigen::Vector3d& { return joint[index(on_side(left, side))]; };
   at(Joint::clavicle_left) = Eigen::Vector3d(-0.004 * h, s * 0.018 * h, 0.815 * h);
-  at(Joint::upper_arm_left) = Eigen::Vector3d(-0.008 * h, s * 0.103 * h, 0.811 * h);
-  at(Joint::forearm_left) = at(Joint::upper_arm_left) + 0.176 * h * out;
-  at(Joint::hand_left) = at(Joint::forearm_left) + 0.146 * h * out;
+  at(Joint::upper_arm_left) = Eigen::Vector3d(-0.008 * h, s * 0.103 * h * proportions.shoulders, 0.811 * h);
+  at(Joint::forearm_left) = at(Joint::upper_arm_left) + 0.176 * h * proportions.arms * out;
+  at(Joint::hand_left) = at(Joint::forearm_left) + 0.146 * h * proportions.arms * out;
 }
 
 // Knuckles and next joints of the stretched hand, from the wrist: along the hand, and across it towards the thumb;
@@ -86,10 +87,10 @@ struct FingerRow {
   double along, across, next_along, next_across;
 };
 constexpr std::array<FingerRow, 5> kFingers = {{{thumb1_left, 0.028, 0.022, 0.065, 0.050},
-                                                {index1_left, 0.090, 0.027, 0.134, 0.030},
-                                                {middle1_left, 0.092, 0.009, 0.139, 0.010},
-                                                {ring1_left, 0.088, -0.009, 0.132, -0.010},
-                                                {little1_left, 0.081, -0.026, 0.115, -0.030}}};
+                                                {index1_left, 0.088, 0.028, 0.130, 0.036},
+                                                {middle1_left, 0.091, 0.009, 0.137, 0.012},
+                                                {ring1_left, 0.087, -0.010, 0.130, -0.013},
+                                                {little1_left, 0.080, -0.028, 0.113, -0.037}}};
 
 void place_fingers(Skeleton& skeleton, Side side, double h) {
   auto& joint = skeleton.joint;
@@ -127,7 +128,7 @@ double Skeleton::shank_length() const {
   return (joint[index(Joint::foot_left)] - joint[index(Joint::shank_left)]).norm();
 }
 
-Skeleton make_skeleton(double height) {
+Skeleton make_skeleton(double height, const Proportions& proportions) {
   Skeleton skeleton;
   skeleton.height = height;
   skeleton.arm_angle = 45.0 * std::numbers::pi / 180.0;
@@ -139,8 +140,8 @@ Skeleton make_skeleton(double height) {
   joint[index(Joint::neck)] = {-0.010 * height, 0.0, 0.842 * height};
   joint[index(Joint::head)] = {0.0, 0.0, 0.890 * height};
   for (const Side side : {Side::left, Side::right}) {
-    place_leg(skeleton, side, height);
-    place_arm(skeleton, side, height);
+    place_leg(skeleton, side, height, proportions);
+    place_arm(skeleton, side, height, proportions);
     place_fingers(skeleton, side, height);
   }
   return skeleton;

@@ -76,9 +76,15 @@ struct Skeleton {
   double shank_length() const;
 };
 
+// Breadths and lengths against the table's.
+struct Proportions {
+  double shoulders = 1.0, hips = 1.0;  // breadths between the joints
+  double legs = 1.0, arms = 1.0;       // lengths
+};
+
 // Segment lengths as fractions of the height after Drillis and Contini (1966), as printed in Winter, Biomechanics and
 // Motor Control of Human Movement, figure 4.1; shoes add the sole.
-Skeleton make_skeleton(double height);
+Skeleton make_skeleton(double height, const Proportions& proportions = {});
 
 struct Pose {
   Eigen::Vector3d pelvis = Eigen::Vector3d::Zero();  // where the pelvis joint is, metres, world

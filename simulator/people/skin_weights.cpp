@@ -49,6 +49,29 @@ SkinWeights strongest_four(const Row& row) {
   return weights;
 }
 
+// A rigid motion; blends of them stay rigid once normalised (Kavan, Collins, Zara, O'Sullivan 2008, eq. 2 to 4).
+struct DualQuaternion {
+  Eigen::Quaternionf real{0.0F, 0.0F, 0.0F, 0.0F}, dual{0.0F, 0.0F, 0.0F, 0.0F};
+
+  DualQuaternion() = default;
+  explicit DualQuaternion(const Eigen::Isometry3d& motion) {
+    const Eigen::Quaterniond turn(motion.linear());
+    const Eigen::Vector3d t = 0.5 * motion.translation();
+    real = turn.cast<float>();
+    dual = (Eigen::Quaterniond(0.0, t.x(), t.y(), t.z()) * turn).cast<float>();
+  }
+  void add(const DualQuaternion& other, float weight) {
+    real.coeffs() += weight * other.real.coeffs();
+    dual.coeffs() += weight * other.dual.coeffs();
+  }
+  Eigen::Vector3f carry(const Eigen::Vector3f& p) const {
+    const float length = real.norm();
+    const Eigen::Quaternionf turn(real.coeffs() / length), shift(dual.coeffs() / length);
+    const Eigen::Vector3f t = 2.0F * (turn.w() * shift.vec() - shift.w() * turn.vec() + turn.vec().cross(shift.vec()));
+    return turn._transformVector(p) + t;
+  }
+};
+
 }  // namespace
 
 std::vector<SkinWeights> skin_weights(const recon::TriangleMesh& mesh, const BodyShape& shape) {
@@ -62,14 +85,19 @@ std::vector<SkinWeights> skin_weights(const recon::TriangleMesh& mesh, const Bod
 
 recon::TriangleMesh skinned(const recon::TriangleMesh& bind, const std::vector<SkinWeights>& weights,
                             const JointTransforms& world_from_bind) {
-  std::array<Eigen::Matrix<float, 3, 4>, kJoints> transforms;
-  for (std::size_t j = 0; j < kJoints; ++j) transforms[j] = world_from_bind[j].matrix().topRows<3>().cast<float>();
+  std::array<DualQuaternion, kJoints> joints;
+  for (std::size_t j = 0; j < kJoints; ++j) joints[j] = DualQuaternion(world_from_bind[j]);
   recon::TriangleMesh mesh = bind;
-  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
-    Eigen::Matrix<float, 3, 4> blend = Eigen::Matrix<float, 3, 4>::Zero();
-    for (std::size_t i = 0; i < 4; ++i) blend += weights[v].weight[i] * transforms[weights[v].joint[i]];
-    mesh.positions[v] = blend * bind.positions[v].homogeneous();
-  }
+  tbb::parallel_for(std::size_t{0}, mesh.positions.size(), [&](std::size_t v) {
+    const auto& [joint, weight] = weights[v];
+    const DualQuaternion& first = joints[joint[0]];
+    DualQuaternion blend;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const DualQuaternion& other = joints[joint[i]];
+      blend.add(other, first.real.dot(other.real) < 0.0F ? -weight[i] : weight[i]);
+    }
+    mesh.positions[v] = blend.carry(bind.positions[v]);
+  });
   recon::compute_normals(mesh);
   return mesh;
 }

@@ -1,5 +1,7 @@
 #pragma once
-// How much each joint carries each vertex of a body (linear blend skinning; Magnenat-Thalmann et al. 1988).
+// How much each joint carries each vertex of a body, and the body carried along: dual quaternion skinning (Kavan,
+// Collins, Zara, O'Sullivan, "Geometric skinning with approximate dual quaternion blending", 2008), which keeps the
+// thickness of a limb that bends or twists.
 #include <array>
 #include <vector>
 
