@@ -174,16 +174,15 @@ struct Passes {
 Passes passes_for(double way_px, int supersampling, cv::Size box) {
   int count = 1;
   while (count < 8 && way_px > (count == 1 ? 0.2 : 1.3 * count)) count *= 2;
-  if (count == 2) count = 4;
   Passes passes;
   passes.factor = std::max(1, static_cast<int>(std::lround(supersampling / std::sqrt(count))));
-  const int across = count == 1 ? 1 : (count == 4 ? 2 : 4), down = count / across;
+  const int across = count <= 2 ? count : count / 2, down = count / across;
   const cv::Size tile = box * passes.factor;
   passes.size = {tile.width * across, tile.height * down};
   constexpr std::array<int, 8> kReversed{0, 4, 2, 6, 1, 5, 3, 7};  // bits: moments and rows have nothing in common
   for (int k = 0; k < count; ++k) {
     const double column = (k + 0.5) / count - 0.5;
-    const double row = (kReversed[static_cast<std::size_t>(k * 8 / count)] * count / 8 + 0.5) / count - 0.5;
+    const double row = (kReversed[static_cast<std::size_t>(k)] * count / 8 + 0.5) / count - 0.5;
     const double moment = ((k * 3) % count + 0.5) / count;
     passes.all.push_back({static_cast<float>(moment),
                           Vector2d(column, row) / passes.factor,
