@@ -58,8 +58,9 @@ void add_trailer(GvspPacket& packet, const GvspFrame& frame) {
   store_be(head, 4, frame.height);
   packet.head_bytes += 8;
   if (frame.chunks.empty()) return;
-  store_be(head, 8, kChunkLayout);
-  packet.head_bytes += 4;
+  store_be(head, 8, static_cast<std::uint32_t>(frame.pixels.size() + frame.chunks.size()));
+  store_be(head, 12, kChunkLayout);
+  packet.head_bytes += 8;
 }
 
 // Pixels, then chunks, as if they were one.

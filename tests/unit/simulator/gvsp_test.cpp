@@ -6,6 +6,8 @@
 #include <numeric>
 #include <vector>
 
+#include "simulator/gige/big_endian.h"
+
 namespace rotunda::simulator {
 namespace {
 
@@ -106,7 +108,8 @@ TEST(Gvsp, ChunksFollowThePixelsWhereverAPacketEnds) {
     EXPECT_EQ(joined, expected) << pixels << " bytes of pixels";
     EXPECT_EQ(gvsp_packet(small.frame, 0).head[10], 0x40);  // payload type 0x4001
     const auto trailer = gvsp_packet(small.frame, packet_count(small.frame) - 1);
-    EXPECT_EQ(trailer.head_bytes, 20U);  // and the chunks' layout
+    EXPECT_EQ(trailer.head_bytes, 24U);  // and the payload's length and the chunks' layout
+    EXPECT_EQ(load_be<std::uint32_t>(std::span<const std::uint8_t>{trailer.head}, 16), pixels + 20);
     EXPECT_EQ(trailer.head[10], 0x40);
   }
 }
