@@ -4,15 +4,14 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <charconv>
-#include <cmath>
 #include <fstream>
 #include <iterator>
-#include <map>
 #include <numeric>
 #include <system_error>
 
 #include "config/checked_yaml.h"
+#include "simulator/gige/fault_kinds.h"
+#include "simulator/gige/fault_values.h"
 
 namespace rotunda::simulator {
 namespace {
@@ -24,262 +23,11 @@ using namespace std::chrono_literals;
 using Names = std::span<const std::string>;
 
 constexpr std::size_t kMaxFileBytes = 1 << 20;
-constexpr std::uint64_t kMostTriggers = 1'000'000'000;
 constexpr nanoseconds kReboot = 5s;  // if it does not say how long it is away
-constexpr double kLongestSeconds = 24.0 * 3600.0;
-
-const std::string kDuration = "a duration such as 20ms, 2s or 1min, up to a day";
-const std::string kPackets = "1 to 1000 packets";
-const std::string kShare = "a share such as 1% or 0.01";
-
-// --- values -----------------------------------------------------------------------------------------------------
-
-std::string without_spaces(std::string text) {
-  text.erase(std::remove(text.begin(), text.end(), ' '), text.end());
-  return text;
-}
-
-// The number a text begins with, and what follows it.
-std::optional<std::pair<double, std::string>> number_and_unit(const std::string& text) {
-  const std::string all = without_spaces(text);
-  const char* first = all.data() + (!all.empty() && all[0] == '+' ? 1 : 0);
-  double number = 0.0;
-  const auto [end, error] = std::from_chars(first, all.data() + all.size(), number);
-  if (error != std::errc{} || !std::isfinite(number)) return std::nullopt;
-  return std::pair{number, std::string(end, all.data() + all.size())};
-}
-
-std::optional<double> parse_share(const std::string& text) {
-  const auto parsed = number_and_unit(text);
-  if (!parsed || (parsed->second != "%" && !parsed->second.empty())) return std::nullopt;
-  const double share = parsed->second == "%" ? parsed->first / 100.0 : parsed->first;
-  return share >= 0.0 && share <= 1.0 ? std::optional(share) : std::nullopt;
-}
-
-std::optional<std::uint64_t> parse_count(const std::string& text) {
-  std::uint64_t count = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), count);
-  if (error != std::errc{} || end != text.data() + text.size() || count < 1 || count > kMostTriggers)
-    return std::nullopt;
-  return count;
-}
-
-std::optional<std::uint32_t> parse_packets(const std::string& text) {
-  const auto count = parse_count(text);
-  return count && *count <= 1000 ? std::optional(static_cast<std::uint32_t>(*count)) : std::nullopt;
-}
-
-std::optional<double> parse_number(const std::string& text, const std::string& unit, double low, double high) {
-  const auto parsed = number_and_unit(text);
-  if (!parsed || (!parsed->second.empty() && parsed->second != unit)) return std::nullopt;
-  return parsed->first >= low && parsed->first <= high ? std::optional(parsed->first) : std::nullopt;
-}
-
-std::optional<nanoseconds> parse_delay(const std::string& text) {  // forwards only
-  const auto duration = parse_duration(text);
-  return duration && duration->count() >= 0 ? duration : std::nullopt;
-}
-
-std::optional<nanoseconds> parse_span(const std::string& text) {  // and not nothing
-  const auto duration = parse_duration(text);
-  return duration && duration->count() > 0 ? duration : std::nullopt;
-}
-
-std::optional<std::int64_t> parse_bytes(const std::string& text) {
-  constexpr double kMostBytes = 64 << 20;
-  const auto bytes = parse_number(text, "B", -kMostBytes, kMostBytes);
-  return bytes && *bytes == std::floor(*bytes) ? std::optional(static_cast<std::int64_t>(*bytes)) : std::nullopt;
-}
-
-std::optional<LeaderFlaw> parse_flaw(const std::string& word) {
-  static const std::map<std::string, LeaderFlaw> kFlaws{{"width", LeaderFlaw::width},
-                                                        {"height", LeaderFlaw::height},
-                                                        {"pixel_format", LeaderFlaw::pixel_format},
-                                                        {"block_id", LeaderFlaw::block_id},
-                                                        {"random", LeaderFlaw::random}};
-  const auto flaw = kFlaws.find(word);
-  return flaw == kFlaws.end() ? std::nullopt : std::optional(flaw->second);
-}
-
-// --- one fault --------------------------------------------------------------------------------------------------
-
-// The value of a fault's key: keys and values, or the value of its most important key alone.
-class Parameters {
- public:
-  Parameters(const YAML::Node& node, const std::string& path, const std::string& main, Problems& problems)
-      : map_(node.IsScalar() ? only(main, node)
-             : node.IsNull() ? YAML::Node(YAML::NodeType::Map)
-                             : node,
-             path, problems) {}
-
-  // Whether the key is there and right.
-  template <class Parse>
-  bool read(const std::string& key, const std::string& expected, Parse parse, auto& into) {
-    const auto node = map_.find(key);
-    if (!node) return false;
-    if (node.IsScalar()) {
-      if (const auto value = parse(node.Scalar())) {
-        into = *value;
-        return true;
-      }
-    }
-    map_.wrong(node, key, expected);
-    return false;
-  }
-  template <class Parse>
-  void need(const std::string& key, const std::string& expected, Parse parse, auto& into) {
-    map_.require(key, expected);
-    read(key, expected, parse, into);
-  }
-  CheckedMap& map() { return map_; }
-
- private:
-  static YAML::Node only(const std::string& key, const YAML::Node& value) {
-    YAML::Node map(YAML::NodeType::Map);
-    map[key] = value;
-    return map;
-  }
-  CheckedMap map_;
-};
-
-void read_times(Parameters& p, Fault& fault) {
-  p.read("for", kDuration, parse_span, fault.lasts);
-}
-
-// The next so many triggers, or each whose number is a multiple.
-void read_triggers(Parameters& p, Fault& fault, std::uint64_t& every) {
-  const std::string expected = "a number of triggers from 1 on";
-  std::uint64_t next = 0;
-  const bool all_of_the_next = p.read("next", expected, parse_count, next);
-  const bool some = p.read("every", expected, parse_count, every);
-  const auto both = p.map().find("every");
-  if (all_of_the_next && some) p.map().wrong(both, "every", "either next (so many triggers) or every (each n-th)");
-  if (!both) p.map().require("next", expected);
-  if (!all_of_the_next) return;
-  every = 1;
-  fault.triggers = next;
-}
-
-FaultEffect rate_only(Parameters& p, auto effect) {
-  p.need("rate", kShare, parse_share, effect.rate);
-  return effect;
-}
-
-FaultEffect delay_only(Parameters& p, auto effect) {
-  p.need("by", kDuration, parse_span, effect.by);
-  return effect;
-}
-
-FaultEffect read_loss(Parameters& p, Fault&) {
-  PacketLoss loss;
-  p.need("rate", kShare, parse_share, loss.rate);
-  p.read("burst", kPackets, parse_packets, loss.burst);
-  return loss;
-}
-
-FaultEffect read_reorder(Parameters& p, Fault&) {
-  Reorder reorder;
-  p.need("rate", kShare, parse_share, reorder.rate);
-  p.read("by", kPackets, parse_packets, reorder.by);
-  return reorder;
-}
-
-FaultEffect read_leader(Parameters& p, Fault&) {
-  CorruptedLeader leader{.rate = 1.0};
-  p.need("what", "one of width, height, pixel_format, block_id, random", parse_flaw, leader.flaw);
-  p.read("rate", kShare, parse_share, leader.rate);
-  return leader;
-}
-
-FaultEffect read_payload(Parameters& p, Fault&) {
-  WrongPayloadSize wrong;
-  const std::string expected = "a number of bytes, such as -1000 or 4096";
-  const bool sent = p.read("sent", expected, parse_bytes, wrong.sent_change);
-  const bool told = p.read("register", expected, parse_bytes, wrong.register_change);
-  if (!sent && !told) p.map().require("sent", expected);
-  return wrong;
-}
-
-template <class Effect>
-FaultEffect timed(Parameters& p, Fault& fault) {
-  read_times(p, fault);
-  return Effect{};
-}
-
-FaultEffect read_theft(Parameters& p, Fault& fault) {
-  ControlStolen theft;
-  read_times(p, fault);
-  p.map().read<bool>("exclusive", theft.exclusive, "true or false");
-  return theft;
-}
-
-FaultEffect read_heat(Parameters& p, Fault&) {
-  const auto celsius = [](const std::string& text) { return parse_number(text, "C", 0.0, 200.0); };
-  OverTemperature heat;
-  p.need("to", "0 to 200 degrees Celsius", celsius, heat.celsius);
-  p.read("within", kDuration, parse_delay, heat.within);
-  p.read("stops_at", "0 to 200 degrees Celsius", celsius, heat.stops_at);
-  return heat;
-}
-
-FaultEffect read_doubled(Parameters& p, Fault& fault) {
-  DoubledTrigger doubled;
-  read_triggers(p, fault, doubled.every);
-  p.read("after", kDuration, parse_span, doubled.after);
-  return doubled;
-}
-
-FaultEffect read_missed(Parameters& p, Fault& fault) {
-  MissedTrigger missed;
-  read_triggers(p, fault, missed.every);
-  return missed;
-}
-
-FaultEffect read_step(Parameters& p, Fault&) {
-  ClockStep step;
-  p.need("by", kDuration + ", forwards or (with a minus) back", parse_duration, step.by);
-  return step;
-}
-
-FaultEffect read_drift(Parameters& p, Fault&) {
-  ClockDrift drift;
-  p.need(
-      "ppm", "-10000 to 10000 parts a million", [](const auto& t) { return parse_number(t, "ppm", -1e4, 1e4); },
-      drift.ppm);
-  return drift;
-}
-
-// What is written as what. The main key may be left out.
-struct Row {
-  FaultKind kind;
-  const char* main;
-  FaultEffect (*read)(Parameters&, Fault&);
-};
-const std::array<Row, kFaultKinds> kRows{
-    Row{FaultKind::packet_loss, "rate", read_loss},
-    {FaultKind::reorder, "rate", read_reorder},
-    {FaultKind::duplicate, "rate", [](Parameters& p, Fault&) { return rate_only(p, Duplicate{}); }},
-    {FaultKind::network_error, "rate", [](Parameters& p, Fault&) { return rate_only(p, NetworkError{}); }},
-    {FaultKind::late_frames, "by", [](Parameters& p, Fault&) { return delay_only(p, LateFrames{}); }},
-    {FaultKind::missing_trailer, "rate", [](Parameters& p, Fault&) { return rate_only(p, MissingTrailer{}); }},
-    {FaultKind::corrupted_leader, "what", read_leader},
-    {FaultKind::wrong_payload_size, "sent", read_payload},
-    {FaultKind::stall, "for", timed<Stall>},
-    {FaultKind::silence, "for", timed<Silence>},
-    {FaultKind::reboot, "for", timed<Reboot>},
-    {FaultKind::control_stolen, "for", read_theft},
-    {FaultKind::slow_registers, "by", [](Parameters& p, Fault&) { return delay_only(p, SlowRegisters{}); }},
-    {FaultKind::over_temperature, "to", read_heat},
-    {FaultKind::late_trigger, "by", [](Parameters& p, Fault&) { return delay_only(p, LateTrigger{}); }},
-    {FaultKind::missed_trigger, "next", read_missed},
-    {FaultKind::doubled_trigger, "next", read_doubled},
-    {FaultKind::clock_step, "by", read_step},
-    {FaultKind::clock_drift, "ppm", read_drift},
-};
 
 std::set<std::string> kind_names() {
   std::set<std::string> names;
-  for (const auto& row : kRows) names.emplace(to_string(row.kind));
+  for (const auto& row : kFaultRows) names.emplace(to_string(row.kind));
   return names;
 }
 
@@ -300,7 +48,7 @@ class EntryReader {
       entry.cameras = cameras_of(map, "camera");
     read_begin(map, entry.fault);
     read_end(map, entry.fault);
-    for (const auto& row : kRows) read_fault(map, row, entry, into);
+    for (const auto& row : kFaultRows) read_fault(map, row, entry, into);
     map.refuse_unknown_keys();
     if (says_nothing(node))
       problems_.push_back({node.Mark().line + 1, node.Mark().column + 1, path,
@@ -386,7 +134,7 @@ class EntryReader {
       map.wrong(node, "for", "a duration such as 2s, or triggers such as 3 triggers");
   }
 
-  void read_fault(CheckedMap& map, const Row& row, const CameraFault& entry, FaultScript& into) {
+  void read_fault(CheckedMap& map, const FaultRow& row, const CameraFault& entry, FaultScript& into) {
     const std::string name{to_string(row.kind)};
     const auto node = map.find(name);
     if (!node) return;
@@ -394,7 +142,7 @@ class EntryReader {
       map.wrong(node, name, "a value, or keys and values");
       return;
     }
-    Parameters parameters(node, map.path_of(name), row.main, problems_);
+    FaultParameters parameters(node, map.path_of(name), row.main, problems_);
     Fault own;
     CameraFault made = entry;
     made.fault.effect = row.read(parameters, own);
@@ -473,17 +221,6 @@ FaultRequest read_request(const YAML::Node& root, EntryReader& reader, Problems&
 }
 
 }  // namespace
-
-std::optional<nanoseconds> parse_duration(const std::string& text) {
-  static const std::map<std::string, double> kUnits{{"ns", 1e-9}, {"us", 1e-6},  {"ms", 1e-3},
-                                                    {"s", 1.0},   {"min", 60.0}, {"h", 3600.0}};
-  const auto parsed = number_and_unit(text);
-  const auto unit = parsed ? kUnits.find(parsed->second) : kUnits.end();
-  if (unit == kUnits.end()) return std::nullopt;
-  const double seconds = parsed->first * unit->second;
-  if (std::abs(seconds) > kLongestSeconds) return std::nullopt;
-  return nanoseconds{std::llround(seconds * 1e9)};
-}
 
 FaultScript parse_fault_script(const std::string& text, const std::string& name, Names cameras) {
   const auto root = parsed(text, name);

@@ -38,7 +38,4 @@ struct FaultRequest {
 // "{ camera: cam03, silence: 2s }". JSON is understood, YAML's anchors and aliases are not. Throws ConfigError.
 FaultRequest parse_fault_request(const std::string& line, std::span<const std::string> cameras);
 
-// "2s", "-1.5 ms", "90min": at most a day, either way. Nothing if it is not that.
-std::optional<std::chrono::nanoseconds> parse_duration(const std::string& text);
-
 }  // namespace rotunda::simulator
