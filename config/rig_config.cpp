@@ -175,6 +175,7 @@ void read_simulator(CheckedMap& root, SimulatorConfig& simulator, Problems& prob
   CheckedMap map(node, "simulator", problems);
   map.read<std::string>("person", simulator.person, "a person's name");
   map.read<std::string>("act", simulator.act, "an act's name");
+  map.read<bool>("travel", simulator.travel, "true or false");
   map.read<std::uint64_t>("seed", simulator.seed, "a number");
   map.refuse_unknown_keys();
 }

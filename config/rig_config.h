@@ -51,6 +51,7 @@ struct StorageConfig {
 struct SimulatorConfig {
   std::string person = "alex";
   std::string act = "walk";
+  bool travel = false;  // through the volume instead of on the spot
   std::uint64_t seed = 1;
 };
 

@@ -6,10 +6,10 @@
 
 namespace rotunda::simulator {
 
-void write_picture_set(const std::filesystem::path& directory, SceneRenderer& studio, int frames,
-                       const std::function<void(int)>& progress) {
+int write_picture_set(const std::filesystem::path& directory, SceneRenderer& studio, int frames,
+                      const std::stop_token& stop, const std::function<void(int)>& progress) {
   const auto& cameras = studio.cameras();
-  const TruthFiles truth(directory / "truth", studio, frames);
+  const TruthFiles truth(directory / "truth", studio.performance(), cameras, frames);
   std::filesystem::create_directories(directory / "background");
   for (std::size_t camera = 0; camera < cameras.size(); ++camera) {
     std::filesystem::create_directories(directory / "images" / cameras[camera].name);
@@ -17,6 +17,7 @@ void write_picture_set(const std::filesystem::path& directory, SceneRenderer& st
   }
   capture::write_calibration(directory / "calibration.yaml", cameras);
   for (int frame = 0; frame < frames; ++frame) {
+    if (stop.stop_requested()) return frame;
     const auto pictures = studio.pictures(act_seconds(frame), static_cast<std::uint64_t>(frame));
     for (std::size_t camera = 0; camera < cameras.size(); ++camera)
       capture::write_png(directory / "images" / cameras[camera].name / (frame_name(frame) + ".png"),
@@ -24,6 +25,7 @@ void write_picture_set(const std::filesystem::path& directory, SceneRenderer& st
     truth.write_frame(frame, pictures);
     if (progress) progress(frame + 1);
   }
+  return frames;
 }
 
 }  // namespace rotunda::simulator

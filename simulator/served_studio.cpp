@@ -7,7 +7,6 @@
 #include "capture/calibration_file.h"
 #include "config/errors.h"
 #include "config/rig_config.h"
-#include "simulator/studio/camera_layout.h"
 
 namespace rotunda::simulator {
 namespace {
@@ -67,6 +66,19 @@ const capture::CameraModel& model_of(const config::CameraConfig& camera, const s
 
 }  // namespace
 
+SensorOptions ServedStudio::sensor() const {
+  SensorOptions options;
+  options.seed = performance.seed;
+  for (const auto& device : devices) options.cameras.push_back({.exposure_s = 1e-6 * device.exposure_us});
+  return options;
+}
+
+std::vector<std::string> names_of(const std::vector<capture::CameraModel>& cameras) {
+  std::vector<std::string> names;
+  for (const auto& camera : cameras) names.push_back(camera.name);
+  return names;
+}
+
 ServedStudio studio_of_rig(const std::filesystem::path& rig_file) {
   const auto rig = config::load_rig(rig_file);
   if (!rig.calibration)
@@ -76,9 +88,10 @@ ServedStudio studio_of_rig(const std::filesystem::path& rig_file) {
                     rig_file.string()));
   const auto models = capture::read_calibration(*rig.calibration);
   ServedStudio studio;
-  studio.person = rig.simulator.person;
-  studio.act = rig.simulator.act;
-  studio.seed = static_cast<std::uint32_t>(rig.simulator.seed);
+  studio.performance.person = rig.simulator.person;
+  studio.performance.act = rig.simulator.act;
+  studio.performance.travel = rig.simulator.travel;
+  studio.performance.seed = static_cast<std::uint32_t>(rig.simulator.seed);
   for (const auto& camera : rig.cameras) {
     if (camera.source != "aravis") continue;  // not for GigE Vision
     const auto& model = model_of(camera, *rig.calibration, models);
@@ -96,14 +109,15 @@ ServedStudio studio_of_rig(const std::filesystem::path& rig_file) {
   return studio;
 }
 
-ServedStudio studio_of_size(int cameras) {
+ServedStudio studio_of_layout(const LayoutOptions& layout, capture::PixelFormat format) {
   ServedStudio studio;
-  studio.cameras = camera_layout({.cameras = cameras});
+  studio.cameras = camera_layout(layout);
   for (std::size_t i = 0; i < studio.cameras.size(); ++i) {
     auto& device = studio.devices.emplace_back(numbered_device(i));
     device.name = studio.cameras[i].name;
     device.width = studio.cameras[i].width;
     device.height = studio.cameras[i].height;
+    device.format = format;
   }
   return studio;
 }

@@ -1,28 +1,32 @@
 #pragma once
 // Which cameras the simulated studio serves, and where: from a rig file, or by number alone.
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "capture/camera_model.h"
 #include "simulator/gige/camera_options.h"
+#include "simulator/people/performance.h"
+#include "simulator/studio/camera_layout.h"
+#include "simulator/studio/sensor.h"
 
 namespace rotunda::simulator {
 
 struct ServedStudio {
   std::vector<GigeCameraOptions> devices;     // one a camera
   std::vector<capture::CameraModel> cameras;  // the same order
-  std::string person = "alex", act = "walk";
-  std::uint32_t seed = 1;
+  PerformanceOptions performance;
+  SensorOptions sensor() const;  // the devices' exposures, the performance's seed
 };
+std::vector<std::string> names_of(const std::vector<capture::CameraModel>& cameras);
 
 // The cameras of a rig file where its calibration says they stand. Throws ConfigError for a bad file and InvalidInput
 // for one that does not describe GigE Vision cameras on this machine: no calibration, a camera missing from it or of
 // another size, an address that is not of 127.0.0.0/8, different pixel formats.
 ServedStudio studio_of_rig(const std::filesystem::path& rig_file);
 
-// `cameras` of camera_layout's, 720 x 576, on 127.0.0.1 upwards.
-ServedStudio studio_of_size(int cameras);
+// camera_layout's cameras on 127.0.0.1 upwards.
+ServedStudio studio_of_layout(const LayoutOptions& layout,
+                              capture::PixelFormat format = capture::PixelFormat::bayer_rg8);
 
 }  // namespace rotunda::simulator

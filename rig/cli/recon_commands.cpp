@@ -9,6 +9,7 @@
 #include "capture/picture.h"
 #include "config/errors.h"
 #include "config/exit_code.h"
+#include "config/progress.h"
 #include "recon/mesh/mesh_file.h"
 #include "recon/sphere/resample.h"
 #include "recon/sphere/sphere_file.h"
@@ -18,7 +19,6 @@
 #include "recon/video/geometry_picture.h"
 #include "rig/cli/command_line.h"
 #include "rig/cli/frame_range.h"
-#include "rig/cli/progress.h"
 
 namespace rotunda::rig {
 namespace {

@@ -10,6 +10,7 @@
 #include "capture/picture.h"
 #include "config/errors.h"
 #include "config/exit_code.h"
+#include "config/progress.h"
 #include "playback/contact_sheet.h"
 #include "playback/display/headless.h"
 #include "playback/player.h"
@@ -22,7 +23,6 @@
 #include "recon/video/geometry_video.h"
 #include "rig/cli/command_line.h"
 #include "rig/cli/frame_range.h"
-#include "rig/cli/progress.h"
 
 namespace rotunda::rig {
 namespace {

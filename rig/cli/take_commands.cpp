@@ -15,8 +15,8 @@
 #include "capture/take/take_verify.h"
 #include "config/errors.h"
 #include "config/exit_code.h"
+#include "config/progress.h"
 #include "rig/cli/command_line.h"
-#include "rig/cli/progress.h"
 #include "rig/client.h"
 
 namespace rotunda::rig {

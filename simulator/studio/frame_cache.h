@@ -1,31 +1,80 @@
 #pragma once
-// Every picture of an act, rendered ahead, found by the time an exposure starts. What a camera shows is a function of
-// that time alone: the act runs on the rig's clock, on the 40 ms grid, for all cameras alike.
-#include <functional>
+// Rendered pictures kept on disk, so that a studio which was rendered once starts at once. A folder with one folder an
+// entry, named after its key's digest:
+//   <digest>/entry.json           the key's text, the number of act frames, the bytes of each camera's picture
+//   <digest>/frame000000.pictures all cameras' pictures of one act frame, as the cameras send them, with check sums
+//   <digest>/lock                 locked while in use; its age is that of the last use
+// A frame is there wholly or not at all, whatever interrupts the writer, and any number of processes may share the
+// folder. When room is needed the entries unused for longest go.
+// Everything here throws std::system_error if the file system refuses.
+#include <cstdint>
+#include <filesystem>
+#include <optional>
 #include <span>
 #include <vector>
 
-#include "capture/frame.h"
+#include "capture/base/unique_fd.h"
+#include "simulator/studio/picture_key.h"
 
 namespace rotunda::simulator {
 
-class SceneRenderer;
-struct ScenePicture;
+// One picture a camera, as it sends it.
+using PictureSet = std::vector<std::vector<std::uint8_t>>;
+
+struct EntryShape {
+  int frames = 0;
+  std::vector<std::uint64_t> picture_bytes;  // one a camera
+  std::uint64_t bytes() const;               // of the whole entry, nearly
+};
+
+// The pictures of one key; nobody removes them while it lives. Reading is safe from any number of threads.
+class CacheEntry {
+ public:
+  const EntryShape& shape() const { return shape_; }
+  bool has(int frame) const;  // there, and of the right size
+  std::vector<int> missing() const;
+
+  void write(int frame, const PictureSet& pictures);  // throws InvalidInput for pictures of another shape
+  // Fills `picture`, which is as long as the camera's. False if the frame is not there or damaged; what is damaged is
+  // removed.
+  bool read(int frame, std::size_t camera, std::span<std::uint8_t> picture) const;
+  std::optional<PictureSet> read(int frame) const;
+  std::optional<std::vector<PictureSet>> read() const;  // all frames
+
+ private:
+  friend class FrameCache;
+  CacheEntry(std::filesystem::path folder, capture::UniqueFd lock, EntryShape shape);
+  std::filesystem::path file_of(int frame) const;
+  std::uint64_t offset_of(std::size_t camera) const;
+
+  std::filesystem::path folder_;
+  capture::UniqueFd lock_;
+  EntryShape shape_;
+};
 
 class FrameCache {
  public:
-  // Told of each act frame once its pictures are there: for progress and truth.
-  using OnFrame = std::function<void(int act_frame, const std::vector<ScenePicture>& pictures)>;
+  struct Options {
+    std::filesystem::path folder = default_folder();
+    std::uint64_t most_bytes = 20'000'000'000;
+  };
+  // $XDG_CACHE_HOME/rotunda/studio, else ~/.cache/rotunda/studio, else a folder for temporary files.
+  static std::filesystem::path default_folder();
 
-  // Renders all frames now, on the calling thread (which must own the renderer).
-  FrameCache(SceneRenderer& studio, capture::PixelFormat format, const OnFrame& on_frame = {});
+  explicit FrameCache(Options options);  // makes the folder
 
-  // As the camera sends it; valid as long as the cache. May be called from any thread.
-  std::span<const std::uint8_t> picture_at(std::size_t camera, capture::Timestamp exposure_start) const;
-  std::span<const std::uint8_t> picture(std::size_t camera, int act_frame) const;
+  // The entry of a key, if its shape is known here: frames may still be missing.
+  std::optional<CacheEntry> find(const PictureKey& key);
+  // The same, made if it is not there; first makes room for it. Throws InvalidInput if it can never fit, and
+  // std::system_error (no space) if the disk is too full.
+  CacheEntry open(const PictureKey& key, const EntryShape& shape);
+
+  std::uint64_t bytes() const;  // of all entries
 
  private:
-  std::vector<std::vector<std::vector<std::uint8_t>>> pictures_;  // [act frame][camera]
+  void make_room(std::uint64_t bytes, const std::filesystem::path& except);
+
+  Options options_;
 };
 
 }  // namespace rotunda::simulator

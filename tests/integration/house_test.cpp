@@ -72,7 +72,7 @@ fs::path StudioTest::write_rig(const SmallRig& rig, const std::string& name) {
 }
 
 std::unique_ptr<ScopedProgram> StudioTest::start_sim(const fs::path& rig) {
-  auto sim = start("rotunda-sim", {"--rig", rig.string()});
+  auto sim = start("rotunda-sim", {"--rig", rig.string(), "--no-cache"});
   EXPECT_TRUE(sim->wait_for("cameras ready on")) << sim->err();
   return sim;
 }

@@ -3,7 +3,6 @@
 #include "capture/picture.h"
 #include "simulator/people/synthetic_performance.h"
 #include "simulator/studio/camera_layout.h"
-#include "simulator/studio/frame_cache.h"
 #include "simulator/studio/pixel_encoding.h"
 #include "simulator/studio/scene_renderer.h"
 #include "simulator/studio/truth.h"
@@ -97,23 +96,13 @@ TEST(SceneRenderer, TheEmptyStudioIsBlue) {
   EXPECT_GT(mean[1], mean[0]);
 }
 
-TEST(FrameCache, ShowsWhatTheTimeOfExposureSays) {
+TEST(ActFrame, ShowsWhatTheTimeOfExposureSays) {
   const auto at = [](std::int64_t ms) { return capture::Timestamp(std::chrono::milliseconds(ms)); };
   EXPECT_EQ(act_frame_at(at(0), 26), 0);
   EXPECT_EQ(act_frame_at(at(40 * 26 * 1000 + 40 * 3), 26), 3);
   EXPECT_EQ(act_frame_at(at(40 * 5 + 19), 26), 5);  // a late trigger shows the nearest act frame
   EXPECT_EQ(act_frame_at(at(40 * 5 + 21), 26), 6);
   EXPECT_DOUBLE_EQ(act_seconds(act_frame_at(at(40 * 27), 26)), kActStep);
-}
-
-TEST(FrameCache, HoldsThePicturesOfTheRenderer) {
-  const auto still = make_performance({.act = "a-pose", .coarseness = 1.4, .texels_per_edge = 2});
-  SceneRenderer standing(*still, odd_cameras());
-  const FrameCache cache(standing, capture::PixelFormat::bayer_rg8);
-  const auto rgb = standing.picture(2, 0.0, 0).rgb;
-  const auto bytes = cache.picture_at(2, capture::Timestamp(std::chrono::milliseconds(123456)));
-  const auto expected = encode_pixels(rgb, capture::PixelFormat::bayer_rg8);
-  EXPECT_TRUE(std::equal(bytes.begin(), bytes.end(), expected.begin(), expected.end()));
 }
 
 TEST(Truth, IsThePosedSurfaceOfTheExposuresActFrame) {

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <string>
 
-namespace rotunda::rig {
+namespace rotunda {
 
 class Progress {
  public:
@@ -23,4 +23,4 @@ class Progress {
   std::chrono::steady_clock::time_point begun_, told_;
 };
 
-}  // namespace rotunda::rig
+}  // namespace rotunda

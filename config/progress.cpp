@@ -1,4 +1,4 @@
-#include "rig/cli/progress.h"
+#include "config/progress.h"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-namespace rotunda::rig {
+namespace rotunda {
 namespace {
 
 using namespace std::chrono_literals;
@@ -50,4 +50,4 @@ void Progress::draw_bar(std::size_t done, std::size_t total, const std::string& 
   drawn_ = true;
 }
 
-}  // namespace rotunda::rig
+}  // namespace rotunda
