@@ -1,11 +1,12 @@
-// Ten simulated GigE Vision cameras, 720 x 576 x 25 Hz, by scheduled actions, received by unmodified Aravis; beside it
-// the same bytes at the same times by bare sendmmsg(), recv() and a write() a frame. Prints frames complete and the CPU
-// time of each side's threads.
-//   gige_bench [seconds] [packet size]
+// Ten simulated GigE Vision cameras, 720 x 576, received by unmodified Aravis: how long ten take to open; 25 Hz by
+// scheduled actions, beside the same bytes at the same times by bare sendmmsg(), recv() and a write() a frame; and what
+// they send at most without loss, unpaced. Prints frames complete and the CPU time of each side's threads.
+//   gige_bench [seconds] [packet size] [realtime]
 #include <dirent.h>
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <netinet/in.h>
+#include <sched.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -32,10 +33,17 @@ using namespace std::chrono_literals;
 constexpr std::size_t kCameras = 10, kWidth = 720, kHeight = 576, kPictureBytes = kWidth * kHeight;
 constexpr auto kPeriod = 40ms;
 
+constexpr double kAggregateBytes = 1.15e9;  // a second, asked of ten cameras together
+constexpr int kRealTimePriority = 20;
+
 struct Run {
   int triggers = 250;
   int packet_size = 8900;
 };
+
+double milliseconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
 
 // CPU seconds of this process' threads whose names start so.
 double cpu_seconds_of(const std::string& name) {
@@ -128,19 +136,69 @@ void run_studio(const Run& run) {
   Result all;
   for (const auto& each : results)
     all = {all.complete + each.complete, all.wrong_time + each.wrong_time, all.other + each.other};
-  std::uint64_t resent = 0, late = 0;
+  std::uint64_t resent = 0, late = 0, sent = 0, skipped = 0;
   for (const auto& stats : studio.stats()) {
     resent += stats.packets_resent;
     late += stats.late_actions;
+    sent += stats.frames_sent;
+    skipped += stats.ignored_triggers + stats.missing_pictures;
   }
   const double seconds = run.triggers * std::chrono::duration<double>(kPeriod).count();
   fmt::print(
       "studio     {:5} of {} frames complete, {} off their time, {} failed, {} packets resent, {} late actions\n",
       all.complete, kCameras * static_cast<std::size_t>(run.triggers), all.wrong_time, all.other, resent, late);
+  fmt::print("           {} slots sent, {} skipped\n", sent, skipped);
   fmt::print("           CPU of one core: sender {:.1f} %, control {:.1f} %, client (Aravis) {:.1f} %\n",
              100.0 * (cpu_seconds_of("gige-sender") - sender) / seconds,
              100.0 * (cpu_seconds_of("gige-control") - control) / seconds,
              100.0 * cpu_seconds_of("arv_gv_stream") / seconds);
+}
+
+void open_ten() {
+  simulator::GigeStudio studio(cameras(), nullptr);
+  studio.start();
+  { const tests::AravisClient warm(cameras().front().address); }  // Aravis' own start
+  std::vector<std::unique_ptr<tests::AravisClient>> clients;
+  const auto start = std::chrono::steady_clock::now();
+  for (const auto& camera : cameras()) clients.push_back(std::make_unique<tests::AravisClient>(camera.address));
+  fmt::print("open       {} cameras in {:.1f} ms\n", kCameras, milliseconds_since(start));
+}
+
+// Free run, each frame in one burst, as fast as ten cameras must be for the aggregate.
+void run_aggregate(const Run& run) {
+  constexpr double kRate = kAggregateBytes / (kCameras * kPictureBytes);
+  constexpr auto kDuration = 5s;
+  const auto shown = pictures();
+  simulator::GigeStudio studio(cameras(), [&](std::size_t camera, Timestamp) { return std::span{shown[camera]}; },
+                               {.link_bits_per_second = 0.0});
+  studio.start();
+  std::vector<std::unique_ptr<tests::AravisClient>> clients;
+  for (const auto& camera : cameras()) {
+    clients.push_back(std::make_unique<tests::AravisClient>(camera.address, run.packet_size));
+    clients.back()->set("TriggerMode", "Off");
+    clients.back()->set_float("ExposureTime", 100.0);
+    clients.back()->set_float("AcquisitionFrameRate", kRate);
+    clients.back()->start({.buffers = 40});
+  }
+  std::atomic<std::uint64_t> complete = 0, failed = 0;
+  const double before = cpu_seconds_of("gige-");
+  const auto start = std::chrono::steady_clock::now();
+  {
+    std::vector<std::jthread> counters;
+    for (auto& client : clients)
+      counters.emplace_back([&, stream = client->stream()] {
+        while (std::chrono::steady_clock::now() < start + kDuration) {
+          ArvBuffer* buffer = arv_stream_timeout_pop_buffer(stream, 100'000);
+          if (buffer == nullptr) continue;
+          ++(arv_buffer_get_status(buffer) == ARV_BUFFER_STATUS_SUCCESS ? complete : failed);
+          arv_stream_push_buffer(stream, buffer);
+        }
+      });
+  }
+  const double seconds = 1e-3 * milliseconds_since(start);
+  fmt::print("aggregate  {:.2f} GB/s: {} frames complete, {} failed; device {:.0f} % of a core\n",
+             1e-9 * static_cast<double>(complete * kPictureBytes) / seconds, complete.load(), failed.load(),
+             100.0 * (cpu_seconds_of("gige-") - before) / seconds);
 }
 
 struct Bare {
@@ -238,10 +296,15 @@ int main(int argc, char** argv) {
   rotunda::Run run;
   if (argc > 1) run.triggers = 25 * std::atoi(argv[1]);
   if (argc > 2) run.packet_size = std::atoi(argv[2]);
+  const sched_param priority{.sched_priority = rotunda::kRealTimePriority};
+  const bool realtime = argc > 3 && sched_setscheduler(0, SCHED_FIFO, &priority) == 0;
+  if (argc > 3 && !realtime) fmt::print(stderr, "gige_bench: no real-time priority here\n");
   const auto refusal = rotunda::tests::enter_private_network();
   if (!refusal.empty()) fmt::print(stderr, "gige_bench: {}; using the machine's own loopback\n", refusal);
-  fmt::print("{} cameras, {} x {}, 25 Hz, {} triggers, {} byte packets\n", rotunda::kCameras, rotunda::kWidth,
-             rotunda::kHeight, run.triggers, run.packet_size);
+  fmt::print("{} cameras, {} x {}, 25 Hz, {} triggers, {} byte packets{}\n", rotunda::kCameras, rotunda::kWidth,
+             rotunda::kHeight, run.triggers, run.packet_size, realtime ? ", real-time priority" : "");
+  rotunda::open_ten();
   rotunda::run_studio(run);
   rotunda::run_bare(run);
+  rotunda::run_aggregate(run);
 }
