@@ -33,6 +33,7 @@ void add_performance_options(CLI::App& command, PerformanceArguments& arguments)
                      fmt::format("who: {}, or FILE.glb", fmt::join(person_names(), ", ")));
   command.add_option("--act", arguments.act,
                      fmt::format("does what: {}, or a clip of FILE.glb", fmt::join(act_names(), ", ")));
+  command.add_option("--motion", arguments.motion, "FILE.bvh that moves the person, instead of an act");
   command.add_flag("--travel", arguments.travel, "through the volume instead of on the spot");
   command.add_option("--seed", arguments.seed, "of small variations in motion and of the sensors' noise (1)");
 }
@@ -40,6 +41,7 @@ void add_performance_options(CLI::App& command, PerformanceArguments& arguments)
 void apply(const PerformanceArguments& arguments, PerformanceOptions& options) {
   if (arguments.person) options.person = *arguments.person;
   if (arguments.act) options.act = *arguments.act;
+  if (arguments.motion) options.motion = *arguments.motion;
   if (arguments.seed) options.seed = *arguments.seed;
   if (arguments.travel) options.travel = true;
 }

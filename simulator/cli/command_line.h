@@ -26,7 +26,7 @@ void add_gallery_command(CommandLine& line);  // gallery
 
 // --person, --act, ...: what was given, over what a rig file or a default says.
 struct PerformanceArguments {
-  std::optional<std::string> person, act;
+  std::optional<std::string> person, act, motion;
   std::optional<std::uint32_t> seed;
   bool travel = false;
 };

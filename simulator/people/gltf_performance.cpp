@@ -85,7 +85,7 @@ void add_parts(Fingerprint& print, const GltfCharacter& character) {
 
 GltfPerformance::GltfPerformance(const std::filesystem::path& file, const std::string& act)
     : person_(file.string()), act_(act), character_(read_gltf_character(file)), notes_(character_.notes) {
-  if (!character_.clips.empty()) clip_ = &character_.clip(act);
+  if (!character_.clips.empty() && !act.empty()) clip_ = &character_.clip(act);
   if (clip_) act_ = clip_->name;
   time_clip();
   collect_joints();

@@ -1,7 +1,10 @@
 #include "simulator/people/performance.h"
 
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include "config/errors.h"
+#include "simulator/people/bvh_motion.h"
 #include "simulator/people/fingerprint.h"
 #include "simulator/people/gltf_performance.h"
 #include "simulator/people/synthetic_performance.h"
@@ -14,20 +17,36 @@ bool is_gltf(const std::string& person) {
   return person.ends_with(".glb") || person.ends_with(".gltf");
 }
 
+std::unique_ptr<Performance> gltf_performance(const PerformanceOptions& options) {
+  if (options.motion)
+    throw InvalidInput(
+        fmt::format("{} moves by its own clips: a BVH file drives the simulator's own people", options.person));
+  auto performance = std::make_unique<GltfPerformance>(options.person, options.act);
+  for (const auto& note : performance->notes()) spdlog::info("{}: {}", options.person, note);
+  return performance;
+}
+
+Motion motion_from_file(const std::filesystem::path& file, const Skeleton& skeleton) {
+  auto imported = import_motion(recon::read_bvh(file), file.string(), skeleton);
+  for (const auto& note : imported.notes) spdlog::info("{}: {}", file.string(), note);
+  return std::move(imported.motion);
+}
+
 }  // namespace
 
 std::unique_ptr<Performance> make_performance(const PerformanceOptions& options) {
-  if (is_gltf(options.person)) {
-    auto performance = std::make_unique<GltfPerformance>(options.person, options.act);
-    for (const auto& note : performance->notes()) spdlog::info("{}: {}", options.person, note);
-    return performance;
-  }
+  if (is_gltf(options.person)) return gltf_performance(options);
   auto description = describe_person(options.person);
   description.coarseness = options.coarseness;
   if (options.texels_per_edge) description.texels_per_edge = *options.texels_per_edge;
   auto person = make_person(description);
-  auto motion = motion_of(options.act, person.skeleton, {.travel = options.travel, .seed = options.seed});
-  return std::make_unique<SyntheticPerformance>(std::move(person), std::move(motion));
+  auto motion = options.motion
+                    ? motion_from_file(*options.motion, person.skeleton)
+                    : motion_of(options.act, person.skeleton, {.travel = options.travel, .seed = options.seed});
+  const bool has_board = !options.motion && options.act == "board";
+  auto performance = std::make_unique<SyntheticPerformance>(std::move(person), std::move(motion));
+  if (has_board) performance->carry_board();
+  return performance;
 }
 
 namespace {

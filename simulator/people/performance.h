@@ -48,22 +48,25 @@ class Performance {
   virtual const std::vector<JointInfo>& joints() const = 0;
   virtual std::vector<JointState> joints_at(double seconds) const = 0;
   virtual std::vector<HeelStrike> heel_strikes() const = 0;  // of one round
+  // world_from_board, if a calibration board is there (board_prop.h).
+  virtual std::optional<Eigen::Isometry3d> board_at(double /*seconds*/) const { return std::nullopt; }
 
   // Another one for every difference in surfaces, textures or motion: part of the key of what was rendered ahead.
   virtual std::string fingerprint() const = 0;
 };
 
 struct PerformanceOptions {
-  std::string person = "alex";         // one of person_names(), or FILE.glb, FILE.gltf
-  std::string act = "walk";            // one of act_names(), or a clip of that file
-  bool travel = false;                 // through the volume instead of on the spot
-  std::uint32_t seed = 1;              // of the motion's small variations
-  double coarseness = 1.0;             // of our people's surfaces
-  std::optional<int> texels_per_edge;  // of our people's textures
+  std::string person = "alex";                  // one of person_names(), or FILE.glb, FILE.gltf
+  std::string act = "walk";                     // one of act_names(), or a clip of that file
+  std::optional<std::filesystem::path> motion;  // a BVH file that one of our people follows instead of an act
+  bool travel = false;                          // through the volume instead of on the spot
+  std::uint32_t seed = 1;                       // of the motion's small variations
+  double coarseness = 1.0;                      // of our people's surfaces
+  std::optional<int> texels_per_edge;           // of our people's textures
 };
 
-// Throws InvalidInput for a person, act or clip that is not there, with those that are; what gltf_performance.h says
-// for a file.
+// Throws InvalidInput for a person, act or clip that is not there, with those that are; what gltf_performance.h,
+// bvh.h and bvh_motion.h say for files.
 std::unique_ptr<Performance> make_performance(const PerformanceOptions& options = {});
 
 // What of the figures shows: for implementations of fingerprint().

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "simulator/people/board_prop.h"
 #include "simulator/people/fingerprint.h"
 
 namespace rotunda::simulator {
@@ -24,13 +25,29 @@ SyntheticPerformance::SyntheticPerformance(Person person, Motion motion)
   figures_.push_back({person_.bind, person_.openness, std::move(person_.texture)});
 }
 
-Pose SyntheticPerformance::pose_at(double seconds) const {
+double SyntheticPerformance::within_round(double seconds) const {
   const double round = motion_.frames * kActStep;
-  return motion_.pose_at(seconds - round * std::floor(seconds / round));
+  return seconds - round * std::floor(seconds / round);
+}
+
+Pose SyntheticPerformance::pose_at(double seconds) const {
+  return motion_.pose_at(within_round(seconds));
 }
 
 std::vector<recon::TriangleMesh> SyntheticPerformance::surfaces_at(double seconds) const {
-  return {posed_mesh(person_, pose_at(seconds))};
+  std::vector<recon::TriangleMesh> surfaces = {posed_mesh(person_, pose_at(seconds))};
+  if (const auto board = board_at(seconds)) surfaces.push_back(carried(figures_.back().bind, *board));
+  return surfaces;
+}
+
+void SyntheticPerformance::carry_board() {
+  has_board_ = true;
+  figures_.push_back(board_figure());
+}
+
+std::optional<Eigen::Isometry3d> SyntheticPerformance::board_at(double seconds) const {
+  if (!has_board_) return std::nullopt;
+  return board_pose(within_round(seconds));
 }
 
 std::vector<JointState> SyntheticPerformance::joints_at(double seconds) const {
@@ -54,6 +71,10 @@ std::string SyntheticPerformance::fingerprint() const {
       print.add_bytes(position.data(), sizeof(double) * 3);
       print.add_bytes(rotation.coeffs().data(), sizeof(double) * 4);
     }
+  for (int frame = 0; has_board_ && frame < motion_.frames; ++frame) {
+    const auto board = board_pose(act_seconds(frame));
+    print.add_bytes(board.data(), sizeof(double) * 16);
+  }
   return print.text();
 }
 

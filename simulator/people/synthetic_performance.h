@@ -18,16 +18,22 @@ class SyntheticPerformance : public Performance {
   const std::vector<JointInfo>& joints() const override { return joints_; }
   std::vector<JointState> joints_at(double seconds) const override;
   std::vector<HeelStrike> heel_strikes() const override { return motion_.heel_strikes; }
+  std::optional<Eigen::Isometry3d> board_at(double seconds) const override;
   std::string fingerprint() const override;
+
+  void carry_board();  // the calibration board becomes the second figure, on board_act.h's path
 
   const Skeleton& skeleton() const { return person_.skeleton; }
   Pose pose_at(double seconds) const;
 
  private:
+  double within_round(double seconds) const;
+
   Person person_;
   Motion motion_;
   std::vector<Figure> figures_;
   std::vector<JointInfo> joints_;
+  bool has_board_ = false;
 };
 
 }  // namespace rotunda::simulator

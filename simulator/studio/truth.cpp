@@ -13,6 +13,7 @@
 #include "recon/colour/visibility.h"
 #include "recon/mesh/mesh_file.h"
 #include "simulator/people/board_act.h"
+#include "simulator/people/board_prop.h"
 #include "simulator/studio/scene_renderer.h"
 
 namespace rotunda::simulator {
@@ -148,6 +149,7 @@ TruthFiles::TruthFiles(fs::path directory, const Performance& performance,
   capture::write_calibration(directory_ / "calibration.yaml", cameras);
   write_json(directory_ / "joints.json", joints_of(performance, frames));
   if (performance.act() == "board") write_json(directory_ / "board.json", board_poses(frames));
+  if (performance.board_at(0.0)) write_board(directory_ / "board.yaml");
   write_json(directory_ / "truth.json", describe(performance, cameras, key));
 }
 
