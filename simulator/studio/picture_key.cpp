@@ -80,7 +80,8 @@ PictureKey picture_key(const std::string& performance, const std::vector<capture
 std::optional<std::string> fingerprint_of(const PerformanceOptions& options) {
   const auto names = person_names();
   if (std::find(names.begin(), names.end(), options.person) == names.end()) return std::nullopt;
-  const auto& [person, act, travel, seed, coarseness, texels] = options;  // as above: all have a say
+  const auto& [person, act, motion, travel, seed, coarseness, texels] = options;  // as above: all have a say
+  if (motion) return std::nullopt;  // what the file holds counts, not its name
   return fmt::format("{} {} travel {} seed {} coarseness {} texels {}", person, act, travel, seed, coarseness,
                      texels.value_or(0));
 }
