@@ -1,267 +1,221 @@
 #include "simulator/people/gait.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <numbers>
+#include <limits>
 
-#include "simulator/people/limb_pose.h"
+#include "simulator/people/key_curve.h"
 
 namespace rotunda::simulator {
 namespace {
 
-using Eigen::AngleAxisd;
-using Eigen::Quaterniond;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kPi = std::numbers::pi;
-constexpr double degrees(double angle) {
-  return angle * kPi / 180.0;
+constexpr double kForever = 1e6;  // seconds
+constexpr double kRounding = 1e-9;
+constexpr double kClearance = 0.014;                   // of a swinging foot at the least (Winter 1991: 13 mm), metres
+constexpr double kFlat = 0.4;                          // part of the stance at which the sole is flat in every gait
+constexpr double kFirstPush = 0.6, kLastStrike = 0.5;  // of a full step's foot pitch, from and to a stand
+
+// Phase of a style at a part of the stance (0 to 1) or of the swing (1 to 2).
+double style_phase(const GaitStyle& style, double part) {
+  return part <= 1.0 ? part * style.toe_off : style.toe_off + (part - 1.0) * (1.0 - style.toe_off);
 }
 
-struct Key {
-  double phase, value;
-};
-
-// Periodic cubic through the keys with limited slopes (Fritsch and Carlson 1980): flat between equal keys.
-template <std::size_t N>
-double periodic_curve(const std::array<Key, N>& keys, double phase) {
-  phase -= std::floor(phase);
-  std::size_t i = N - 1;
-  for (std::size_t k = 0; k + 1 < N; ++k)
-    if (phase >= keys[k].phase && phase < keys[k + 1].phase) i = k;
-  const auto key = [&](std::size_t k) {  // keys run on into the next period
-    return Key{keys[k % N].phase + static_cast<double>(k / N), keys[k % N].value};
-  };
-  const auto secant = [&](std::size_t k) {
-    return (key(k + 1).value - key(k).value) / (key(k + 1).phase - key(k).phase);
-  };
-  const auto slope = [&](std::size_t k) {
-    const double a = secant(k + N - 1), b = secant(k + N);
-    return a * b <= 0.0 ? 0.0 : 2.0 * a * b / (a + b);
-  };
-  const double width = key(i + 1).phase - key(i).phase, t = (phase - key(i).phase) / width;
-  const double s = 1.0 - t;
-  return s * s * (1.0 + 2.0 * t) * key(i).value + t * t * (3.0 - 2.0 * t) * key(i + 1).value +
-         width * t * s * (s * slope(i) - t * slope(i + 1));
-}
-
-// Degrees over the stride from heel strike, Winter (1991), natural cadence.
-constexpr std::array<Key, 11> kHip = {{{0.0, 20},
-                                       {0.05, 19},
-                                       {0.1, 16},
-                                       {0.2, 9},
-                                       {0.3, 1},
-                                       {0.4, -6},
-                                       {0.51, -10},
-                                       {0.6, -5},
-                                       {0.7, 9},
-                                       {0.8, 19},
-                                       {0.88, 22}}};
-constexpr std::array<Key, 15> kKnee = {{{0.0, 4},
-                                        {0.05, 11},
-                                        {0.1, 17},
-                                        {0.15, 19},
-                                        {0.2, 17},
-                                        {0.3, 10},
-                                        {0.4, 6},
-                                        {0.5, 12},
-                                        {0.55, 23},
-                                        {0.6, 38},
-                                        {0.65, 54},
-                                        {0.72, 64},
-                                        {0.8, 53},
-                                        {0.9, 19},
-                                        {0.97, 2}}};
-constexpr std::array<Key, 12> kAnkle = {{{0.0, 0},
-                                         {0.05, -5},
-                                         {0.1, -2},
-                                         {0.2, 4},
-                                         {0.3, 7},
-                                         {0.43, 10},
-                                         {0.5, 5},
-                                         {0.55, -7},
-                                         {0.63, -19},
-                                         {0.7, -11},
-                                         {0.8, -1},
-                                         {0.9, 1}}};
-// The foot against the floor that these three add up to, with the sole held flat between foot flat and heel off
-// (Perry 1992: 8 to 12 % and 31 to 40 %). Toes up is positive.
-constexpr std::array<Key, 11> kFootPitch = {{{0.0, 17},
-                                             {0.10, 0},
-                                             {0.36, 0},
-                                             {0.45, -9},
-                                             {0.5, -18},
-                                             {0.56, -38},
-                                             {0.62, -60},
-                                             {0.68, -70},
-                                             {0.8, -35},
-                                             {0.9, 4},
-                                             {0.96, 17}}};
-
-Vector2d rotated(const Vector2d& v, double pitch) {  // (x, z), toes up
-  return {v.x() * std::cos(pitch) - v.y() * std::sin(pitch), v.x() * std::sin(pitch) + v.y() * std::cos(pitch)};
-}
-
-// The back of the sole in the sagittal plane: an ellipse (body_parts.cpp), from the ankle; metres at 1.75 m.
-struct Heel {
-  Vector2d centre;
-  double a, b;
-  explicit Heel(const Skeleton& skeleton) {
-    const double scale = skeleton.height / 1.75;
-    a = 0.036 * scale;
-    b = 0.30 * a;
-    centre = {-0.036 * scale, 0.012 * scale - ankle_height(skeleton)};
-  }
-  // The point that touches the floor at a pitch, and the length of sole from the flat part to it.
-  double parameter(double pitch) const { return std::atan2(a * std::sin(pitch), b * std::cos(pitch)); }
-  Vector2d contact(double pitch) const {
-    const double u = parameter(pitch);
-    return centre + Vector2d(-a * std::sin(u), -b * std::cos(u));
-  }
-  double arc(double pitch) const {
-    constexpr int kSteps = 24;
-    double sum = 0.0, end = parameter(pitch);
-    for (int i = 0; i < kSteps; ++i) {
-      const double u = end * (i + 0.5) / kSteps;
-      sum += std::hypot(a * std::cos(u), b * std::sin(u)) * end / kSteps;
-    }
-    return sum;
-  }
-};
-
-// Ankle (x, z) of a foot that stands on the floor with its flat sole's ankle at x = 0. Heel down: the sole rolls over
-// its rounded back without slipping; heel up: it turns about the ball, the toes stay flat.
-Vector2d standing_ankle(const Skeleton& skeleton, double pitch) {
-  if (pitch >= 0.0) {
-    const Heel heel(skeleton);
-    const Vector2d floor_contact(heel.centre.x() - heel.arc(pitch), 0.0);
-    Vector2d ankle = floor_contact - rotated(heel.contact(pitch), pitch);
-    ankle.y() += ankle_height(skeleton) + heel.centre.y() - heel.b;  // as the flat sole lies in the bind pose
-    return ankle;
-  }
-  const Vector3d toes = skeleton.joint[index(Joint::toes_left)], ankle = skeleton.joint[index(Joint::foot_left)];
-  const Vector2d ball(toes.x() - ankle.x(), toes.z());
-  return ball + rotated(Vector2d(ankle.x() - toes.x(), ankle.z() - toes.z()), pitch);
-}
-
-// The hips are carried lower than the curves' subjects', so the swinging foot is lifted clear of the floor, metres.
-constexpr double kSwingLift = 0.028;
-
-double bob(double phase) {
-  return 0.014 * std::cos(4.0 * kPi * (phase - 0.30));
-}
-
-// Ankle (x, z) from under the hip by the normal angles alone, z from the floor; `hip_height` above the floor.
-Vector2d free_ankle(const Skeleton& skeleton, double phase, double hip_height) {
-  const LegAngles angles = normal_leg_angles(phase);
-  const double shank = angles.hip - angles.knee, scale = std::cos(skeleton.leg_angle);
+// Ankle (x, z) under the hip by the joint angles alone.
+Vector2d hanging_ankle(const Skeleton& skeleton, const GaitStyle& style, double phase) {
+  const SagittalAngles angles = sagittal_angles(style, phase);
+  const double shank = angles.hip - angles.knee;
   return {skeleton.thigh_length() * std::sin(angles.hip) + skeleton.shank_length() * std::sin(shank),
-          hip_height + bob(phase) -
-              scale * (skeleton.thigh_length() * std::cos(angles.hip) + skeleton.shank_length() * std::cos(shank))};
+          -skeleton.thigh_length() * std::cos(angles.hip) - skeleton.shank_length() * std::cos(shank)};
 }
 
-// The path of one ankle over a stride. What the angles leave open against floor and belt is made up exactly in stance
-// and runs out smoothly over the swing.
-class AnklePath {
- public:
-  AnklePath(const Skeleton& skeleton, const GaitOptions& options, double hip_height)
-      : skeleton_(skeleton), options_(options), hip_height_(hip_height) {
-    constexpr int kSamples = 50;
-    double sum = 0.0;  // while start_ is 0
-    for (int i = 0; i < kSamples; ++i) sum += error(kToeOff * (i + 0.5) / kSamples).x();
-    start_ = -sum / kSamples;
+// Where the flat foot's ankle is against the pelvis at mid-stance, so that over the stance the joint angles fit best.
+double mid_stance(const Skeleton& skeleton, const Sole& sole, const GaitStyle& style) {
+  constexpr int kSamples = 50;
+  const double travelled = leg_scale(skeleton) * style.speed * style.period;  // a stride
+  double sum = 0.0;
+  for (int i = 0; i < kSamples; ++i) {
+    const double phase = style.toe_off * (i + 0.5) / kSamples, pitch = foot_pitch(style, phase);
+    sum += hanging_ankle(skeleton, style, phase).x() - sole.ankle_at(pitch).x() +
+           travelled * (phase - 0.5 * style.toe_off);
   }
-
-  Vector2d at(double phase) const {
-    phase -= std::floor(phase);
-    if (phase <= kToeOff) return stance(phase);
-    const double t = (phase - kToeOff) / (1.0 - kToeOff), s = 1.0 - t;
-    const Vector2d correction = s * s * (1.0 + 2.0 * t) * error(kToeOff) + t * t * (3.0 - 2.0 * t) * error(0.0) +
-                                fading(phase - kToeOff) * error_slope(kToeOff, -1) -
-                                fading(1.0 - phase) * error_slope(0.0, 1);
-    const double lift = kSwingLift * std::sin(kPi * t) * std::sin(kPi * t);
-    return free_ankle(skeleton_, phase, hip_height_) + correction + Vector2d(0.0, lift);
-  }
-
-  // How far the ankle has moved along the foot by rolling and by turning about the ball; metres.
-  double along_foot(double phase) const {
-    phase -= std::floor(phase);
-    const double t = std::max(0.0, (phase - kToeOff) / (1.0 - kToeOff));
-    const double now = phase <= kToeOff ? phase : kToeOff;
-    const auto moved = [&](double at) { return standing_ankle(skeleton_, pitch(at)).x(); };
-    return moved(now) + t * t * (3.0 - 2.0 * t) * (moved(0.0) - moved(now));
-  }
-
-  static double pitch(double phase) { return degrees(periodic_curve(kFootPitch, phase)); }
-
- private:
-  Vector2d stance(double phase) const {
-    const Vector2d belt(start_ - options_.speed * options_.period * phase, 0.0);
-    return belt + standing_ankle(skeleton_, pitch(phase));
-  }
-  // Starts with slope 1, gone after 0.12 of a stride: carries the speed over from stance to swing.
-  static double fading(double after) {
-    const double rest = std::max(0.0, 1.0 - after / 0.12);
-    return after * rest * rest;
-  }
-  Vector2d error(double phase) const { return stance(phase) - free_ankle(skeleton_, phase, hip_height_); }
-  Vector2d error_slope(double phase, int direction) const {
-    const double step = 0.002 * direction;
-    return (error(phase + step) - error(phase)) / step;
-  }
-
-  const Skeleton& skeleton_;
-  GaitOptions options_;
-  double hip_height_;
-  double start_ = 0.0;
-};
-
-void move_trunk(Pose& pose, double cycle) {
-  const auto turned = [](double angle_deg, const Vector3d& axis) {
-    return Quaterniond(AngleAxisd(degrees(angle_deg), axis));
-  };
-  const Vector3d z = Vector3d::UnitZ(), x = Vector3d::UnitX(), y = Vector3d::UnitY();
-  const double forward = std::cos(cycle), list = std::sin(cycle + 0.2 * kPi);
-  pose.rotation[index(Joint::pelvis)] = turned(-4.0 * forward, z) * turned(2.5 * list, x);
-  pose.rotation[index(Joint::spine)] = turned(5.0 * forward, z) * turned(-1.5 * list, x) * turned(2.0, y);
-  pose.rotation[index(Joint::chest)] = turned(4.0 * forward, z) * turned(-1.0 * list, x) * turned(1.0, y);
-  pose.rotation[index(Joint::neck)] = turned(-3.0 * forward, z) * turned(-1.0, y);
-  pose.rotation[index(Joint::head)] = turned(-2.0 * forward, z) * turned(-2.0, y);
+  return sum / kSamples;
 }
 
 }  // namespace
 
-LegAngles normal_leg_angles(double phase) {
-  return {degrees(periodic_curve(kHip, phase)), degrees(periodic_curve(kKnee, phase)),
-          degrees(periodic_curve(kAnkle, phase))};
+double Ramp::at(double seconds) const {
+  return from + (to - from) * smooth_step((seconds - start) / (end - start));
 }
 
-Pose gait_pose(const Skeleton& skeleton, double seconds, const GaitOptions& options) {
-  const double stride = seconds / options.period - std::floor(seconds / options.period);
-  const double cycle = 2.0 * kPi * stride, scale = skeleton.height / 1.75;
-  Pose pose = bind_pose(skeleton);
-  const double drop = 0.020 * scale;  // the hips of a walker against those of one who stands straight
-  pose.pelvis += Vector3d(0.0, 0.014 * std::sin(cycle - 0.1 * kPi), bob(stride) - drop);
-  move_trunk(pose, cycle);
-  const AnklePath path(skeleton, options, skeleton.joint[index(Joint::thigh_left)].z() - drop);
-  for (const Side side : {Side::left, Side::right}) {
-    const double s = sign_of(side), phase = side == Side::left ? stride : stride + 0.5;
-    const Vector2d ankle = path.at(phase);
-    const double pitch = AnklePath::pitch(phase), own = phase - std::floor(phase);
-    const double release = std::clamp((own - kToeOff - 0.05) / 0.14, 0.0, 1.0);  // the toes straighten after toe-off
-    const double toe_out = degrees(5.0), y = s * (0.088 * scale + std::sin(toe_out) * path.along_foot(phase));
-    place_foot(skeleton, pose, side,
-               {{ankle.x(), y, ankle.y()}, pitch, toe_out, std::max(0.0, -pitch) * (1.0 - release)});
-    const double swing = -s * std::cos(cycle);  // forwards with the other leg
-    place_arm(skeleton, pose, side, {degrees(15.0), degrees(2.0 + 19.0 * swing), degrees(24.0 + 10.0 * swing)});
+double Ramp::integral(double seconds) const {
+  const double width = end - start, t = std::clamp((seconds - start) / width, 0.0, 1.0);
+  const double after = std::max(0.0, seconds - end);
+  return from * seconds + (to - from) * (width * t * t * t * (1.0 - 0.5 * t) + after);
+}
+
+GaitCourse steady(const GaitStyle& style) {
+  const auto constant = [](double value) { return Ramp{.from = value, .to = value}; };
+  GaitCourse course;
+  course.cadence = constant(1.0 / style.period);
+  course.speed = constant(style.speed);
+  course.jogging = constant(&style == &jogging() ? 1.0 : 0.0);
+  return course;
+}
+
+FootSpot idle_spot(const Skeleton& skeleton, Side side, double x) {
+  const double s = sign_of(side);
+  return Sole(skeleton).spot_at({x, s * 0.112 * leg_scale(skeleton)}, s * radians(9.0));
+}
+
+Gait::Gait(const Skeleton& skeleton, const GaitCourse& course, double begin, double end)
+    : skeleton_(skeleton), sole_(skeleton), scale_(leg_scale(skeleton)), course_(course) {
+  for (const Side side : {Side::left, Side::right}) plan(side, begin, end);
+}
+
+double Gait::phase(double seconds) const {
+  return course_.phase + course_.cadence.integral(seconds);
+}
+
+double Gait::distance(double seconds) const {
+  return course_.x + scale_ * course_.speed.integral(seconds);
+}
+
+Posture Gait::posture(double seconds) const {
+  const double now = phase(seconds);
+  return blend(gait_posture(walking(), now), gait_posture(jogging(), now), blend_at(seconds).jogging);
+}
+
+// The phase only grows; Newton's steps on it.
+double Gait::time_of_phase(double wanted) const {
+  double seconds = (wanted - course_.phase) / course_.cadence.from;
+  for (int i = 0; i < 60; ++i) seconds -= (phase(seconds) - wanted) / course_.cadence.at(seconds);
+  return seconds;
+}
+
+Gait::Contact Gait::contact(Side side, double strike) const {
+  const double s = sign_of(side);
+  Contact contact;
+  contact.phase = strike;
+  contact.on = time_of_phase(strike);
+  const Blend blend = blend_at(contact.on);
+  const double stance = blend.between(walking().toe_off, jogging().toe_off);
+  contact.off = time_of_phase(strike + stance);
+  const double ahead = blend.between(mid_stance(skeleton_, sole_, walking()), mid_stance(skeleton_, sole_, jogging()));
+  const double width = scale_ * blend.between(walking().step_width, jogging().step_width);
+  const double toe_out = radians(blend.between(walking().toe_out, jogging().toe_out));
+  const double middle = contact.on > kRounding  // else planned before anything changed
+                            ? distance(time_of_phase(strike + 0.5 * stance))
+                            : distance(contact.on) + scale_ * course_.speed.from * 0.5 * stance / course_.cadence.from;
+  const double x = middle + ahead;
+  contact.spot = sole_.spot_at({x, s * width}, s * toe_out);
+  return contact;
+}
+
+void Gait::plan(Side side, double begin, double end) {
+  auto& contacts = contacts_[at(side)];
+  const double shift = side == Side::left ? 0.0 : 0.5;
+  const double first = std::floor(phase(begin) - shift) - 1.0, last = std::floor(phase(end) - shift) + 2.0;
+  for (double k = first; k <= last; k += 1.0) contacts.push_back(contact(side, k + shift));
+  if (course_.stands_until) {
+    while (contacts.front().off < *course_.stands_until) contacts.erase(contacts.begin());
+    contacts.front().on = -kForever;
+    contacts.front().spot = idle_spot(skeleton_, side, distance(begin));
+    contacts.front().from_standing = true;
   }
-  return pose;
+  if (course_.stands_from) {
+    while (contacts.back().on > *course_.stands_from) contacts.pop_back();
+    contacts.back().off = kForever;
+    contacts.back().spot = idle_spot(skeleton_, side, distance(end));
+    contacts.back().to_standing = true;
+  }
 }
 
-std::vector<HeelStrike> heel_strikes(const GaitOptions& options) {
-  return {{0.0, Side::left}, {0.5 * options.period, Side::right}};
+double Gait::toe_off(const Contact& contact) const {
+  return blend_at(contact.on).between(walking().toe_off, jogging().toe_off);
+}
+
+double Gait::pitch(const Contact& contact, double seconds) const {
+  const double own = phase(seconds) - contact.phase, stance = toe_off(contact);
+  double part = own <= stance ? own / stance : 1.0 + (own - stance) / (1.0 - stance);
+  if (contact.from_standing) part = std::max(part, kFlat);
+  if (contact.to_standing) part = std::min(part, kFlat);
+  const double pitch = blend_at(seconds).between(foot_pitch(walking(), style_phase(walking(), part)),
+                                                 foot_pitch(jogging(), style_phase(jogging(), part)));
+  const double effort = contact.from_standing ? kFirstPush + (1.0 - kFirstPush) * smooth_step(part - 1.0) : 1.0;
+  return pitch * (contact.to_standing ? kLastStrike : effort);
+}
+
+LegPlacement Gait::stance(const Contact& contact, double seconds) const {
+  return sole_.standing(contact.spot, pitch(contact, seconds));
+}
+
+Vector2d Gait::free_ankle(const Contact& contact, double seconds, double pelvis_height) const {
+  const double own = phase(seconds) - contact.phase, stance = toe_off(contact);
+  const double part = own <= stance ? own / stance : 1.0 + (own - stance) / (1.0 - stance);
+  const Vector2d walk = hanging_ankle(skeleton_, walking(), style_phase(walking(), part));
+  const Vector2d jog = hanging_ankle(skeleton_, jogging(), style_phase(jogging(), part));
+  const double hip =
+      pelvis_height + skeleton_.joint[index(Joint::thigh_left)].z() - skeleton_.joint[index(Joint::pelvis)].z();
+  return Vector2d(distance(seconds), hip) + walk + blend_at(seconds).jogging * (jog - walk);
+}
+
+// What the angles leave open against the floor is made up exactly in stance and runs out smoothly over the swing.
+LegPlacement Gait::swing(const Contact& from, const Contact& to, double seconds, double pelvis_height) const {
+  const double width = to.on - from.off, t = (seconds - from.off) / width, s = 1.0 - t;
+  const auto error = [&](const Contact& contact, double when) -> Vector2d {
+    const Vector3d ankle = stance(contact, when).ankle;
+    return Vector2d(ankle.x(), ankle.z()) - free_ankle(from, when, pelvis_height);
+  };
+  const auto fading = [&](double after) {  // starts with slope 1: carries the speed over between stance and swing
+    const double rest = std::max(0.0, 1.0 - after / (0.32 * width));
+    return after * rest * rest;
+  };
+  constexpr double kStep = 0.002;
+  const Vector2d off = error(from, from.off), on = error(to, to.on);
+  const Vector2d off_slope = (off - error(from, from.off - kStep)) / kStep;
+  const Vector2d on_slope = (error(to, to.on + kStep) - on) / kStep;
+  const double lift = scale_ * blend_at(seconds).between(walking().swing_lift, jogging().swing_lift) *
+                      std::pow(std::sin(std::numbers::pi * t), 2);
+  const Vector2d ankle = free_ankle(from, seconds, pelvis_height) + s * s * (1.0 + 2.0 * t) * off +
+                         t * t * (3.0 - 2.0 * t) * on + fading(seconds - from.off) * off_slope -
+                         fading(to.on - seconds) * on_slope + Vector2d(0.0, lift);
+  const double yaw = from.spot.yaw + smooth_step(t) * (to.spot.yaw - from.spot.yaw);
+  const double y_off = stance(from, from.off).ankle.y(), y_on = stance(to, to.on).ankle.y();
+  const double landing = to.to_standing ? 1.0 + (kLastStrike - 1.0) * smooth_step(t) : 1.0;
+  const double pitch_now = pitch(from, seconds) * landing;
+  LegPlacement leg;
+  leg.ankle = {ankle.x(), y_off + smooth_step(t) * (y_on - y_off), ankle.y()};
+  leg.foot = foot_frame(yaw, pitch_now);
+  leg.knee = {std::cos(yaw), std::sin(yaw), 0.0};
+  leg.toe_bend = std::max(0.0, -pitch_now) * (1.0 - smooth_step((t - 0.1) / 0.4));  // the toes straighten
+  leg.slack = 1.2 * std::min(seconds - from.off, to.on - seconds);
+  sole_.lift_over_floor(leg, scale_ * kClearance * std::pow(std::sin(std::numbers::pi * t), 2));
+  return leg;
+}
+
+std::array<LegPlacement, 2> Gait::legs(double seconds, double pelvis_height) const {
+  std::array<LegPlacement, 2> legs;
+  for (const Side side : {Side::left, Side::right}) {
+    const auto& contacts = contacts_[at(side)];
+    std::size_t i = 0;
+    while (i + 1 < contacts.size() && contacts[i + 1].on <= seconds) ++i;
+    legs[at(side)] = seconds <= contacts[i].off ? stance(contacts[i], seconds)
+                                                : swing(contacts[i], contacts[i + 1], seconds, pelvis_height);
+  }
+  return legs;
+}
+
+std::vector<HeelStrike> Gait::heel_strikes(double begin, double end) const {
+  std::vector<HeelStrike> strikes;
+  for (const Side side : {Side::left, Side::right})
+    for (const auto& contact : contacts_[at(side)])
+      if (contact.on >= begin - kRounding && contact.on < end - kRounding)
+        strikes.push_back({std::max(begin, contact.on), side});
+  std::sort(strikes.begin(), strikes.end(), [](const auto& a, const auto& b) { return a.seconds < b.seconds; });
+  return strikes;
 }
 
 }  // namespace rotunda::simulator

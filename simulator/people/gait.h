@@ -1,34 +1,78 @@
 #pragma once
-// Normal walking on level ground, as on a treadmill: the pelvis stays over the origin and the floor under the stance
-// foot runs backwards at `speed`. Sagittal joint angles follow the curves of normal gait (Winter, The Biomechanics and
-// Motor Control of Human Gait, 1991, natural cadence; Perry, Gait Analysis, 1992, chapters 3 to 6); the stance leg is
-// then closed onto the floor, heel first, flat, then over the ball, by inverse kinematics. The cycle closes exactly.
+// Going along +x over the floor at a cadence and speed that may change on the way: walking, jogging, from a stand, to a
+// stand. The joint angles are those of gait_style.h; the standing legs are closed onto the floor by inverse kinematics,
+// heel first, flat, then over the ball. Metres, seconds, world.
+#include <optional>
 #include <vector>
 
-#include "simulator/people/skeleton.h"
+#include "simulator/people/gait_style.h"
+#include "simulator/people/sole.h"
 
 namespace rotunda::simulator {
-
-struct GaitOptions {
-  double period = 1.04;  // seconds a stride: two steps
-  double speed = 1.15;   // metres a second
-};
-
-// The angles of one leg at a phase of its own stride: 0 and 1 are its heel strike. Radians; flexion is positive.
-struct LegAngles {
-  double hip = 0.0, knee = 0.0, ankle = 0.0;
-};
-LegAngles normal_leg_angles(double phase);
-
-inline constexpr double kToeOff = 0.62;  // phase at which stance ends (Perry 1992: 62 % of the cycle)
-
-// Pose at a time; the left heel strikes at 0, the right one half a period later.
-Pose gait_pose(const Skeleton& skeleton, double seconds, const GaitOptions& options = {});
 
 struct HeelStrike {
   double seconds;
   Side side;
 };
-std::vector<HeelStrike> heel_strikes(const GaitOptions& options = {});  // of one period
+
+// From one value to another, smoothly between two times.
+struct Ramp {
+  double from = 0.0, to = 0.0;
+  double start = 0.0, end = 1.0;
+  double at(double seconds) const;
+  double integral(double seconds) const;  // from time 0, which lies not after `start`
+};
+
+struct GaitCourse {
+  Ramp cadence, speed;  // strides a second; metres a second of a person of 1.75 m
+  Ramp jogging;         // 0 walking, 1 jogging
+  double phase = 0.0;   // at time 0, in strides: whole when the left heel strikes
+  double x = 0.0;       // of the pelvis at time 0
+  // Both feet stand as idle's do until the time (from the time on); there is nothing to step over before (after) it.
+  std::optional<double> stands_until, stands_from;
+};
+GaitCourse steady(const GaitStyle& style);
+
+class Gait {
+ public:
+  // Foot contacts are planned for the times from `begin` to `end`.
+  Gait(const Skeleton& skeleton, const GaitCourse& course, double begin, double end);
+
+  double phase(double seconds) const;
+  double distance(double seconds) const;  // x of the pelvis' place
+  Posture posture(double seconds) const;  // of the gait alone
+  // Given the height of the pelvis joint (it decides how far a swinging foot hangs down).
+  std::array<LegPlacement, 2> legs(double seconds, double pelvis_height) const;
+  std::vector<HeelStrike> heel_strikes(double begin, double end) const;  // in [begin, end), in order
+
+ private:
+  struct Contact {
+    double phase, on, off;  // strike in strides of this foot; seconds
+    FootSpot spot;
+    bool from_standing = false, to_standing = false;
+  };
+  struct Blend {
+    double jogging;
+    double between(double walk, double jog) const { return walk + jogging * (jog - walk); }
+  };
+  Blend blend_at(double seconds) const { return {course_.jogging.at(seconds)}; }
+  double time_of_phase(double phase) const;
+  Contact contact(Side side, double strike) const;
+  void plan(Side side, double begin, double end);
+  double toe_off(const Contact& contact) const;
+  double pitch(const Contact& contact, double seconds) const;
+  LegPlacement stance(const Contact& contact, double seconds) const;
+  LegPlacement swing(const Contact& from, const Contact& to, double seconds, double pelvis_height) const;
+  Eigen::Vector2d free_ankle(const Contact& contact, double seconds, double pelvis_height) const;
+
+  Skeleton skeleton_;
+  Sole sole_;
+  double scale_;
+  GaitCourse course_;
+  std::array<std::vector<Contact>, 2> contacts_;
+};
+
+// Where idle's feet stand: ankles beside the pelvis at x, slightly turned out.
+FootSpot idle_spot(const Skeleton& skeleton, Side side, double x);
 
 }  // namespace rotunda::simulator
