@@ -16,6 +16,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kBodyCell = 0.0165;    // metres, of a body of 1.75 m
+constexpr double kHangingCell = 1.07;   // as many triangles again go into a skirt or coat
 constexpr double kFingerCell = 0.0045;  // fingers stand 5 mm apart, so this one is no coarser for a coarser body
 
 // About the hand, from the wrist on.
@@ -36,12 +37,12 @@ FinerBox foot_box(const Skeleton& skeleton, Side side) {
           2};
 }
 
-GradedLatticeOptions lattice_for(const Skeleton& skeleton, double coarseness) {
+GradedLatticeOptions lattice_for(const Skeleton& skeleton, double hanging, double coarseness) {
   const double h = skeleton.height;
   const double reach = skeleton.joint[index(Joint::hand_left)].y() + 0.11 * h;
-  GradedLatticeOptions lattice{.low = {-0.14 * h, -reach, -0.03},
-                               .high = {0.16 * h, reach, 1.03 * h},
-                               .cell = kBodyCell * coarseness * h / 1.75};
+  GradedLatticeOptions lattice{.low = {-std::max(0.14 * h, hanging), -reach, -0.03},
+                               .high = {std::max(0.16 * h, hanging), reach, 1.03 * h},
+                               .cell = kBodyCell * coarseness * h / 1.75 * (hanging > 0.0 ? kHangingCell : 1.0)};
   const Vector3d head = skeleton.joint[index(Joint::head)];
   lattice.finer.push_back({head + h * Vector3d(-0.075, -0.058, -0.030), head + h * Vector3d(0.085, 0.058, 0.135), 3});
   for (const Side side : {Side::left, Side::right}) {
@@ -88,7 +89,7 @@ recon::TriangleMesh body_mesh(const BodyShape& shape, const Skeleton& skeleton, 
   recon::MeshTopology topology;
   for (int i = 0; i < kTries && !topology.is_sphere(); ++i) {  // a lattice may happen to fall badly on a narrow gap
     mesh = contour([&](const Vector3d& p) { return shape.distance(p); },
-                   lattice_for(skeleton, coarseness * (1.0 - 0.03 * i)));
+                   lattice_for(skeleton, shape.reach(), coarseness * (1.0 - 0.03 * i)));
     topology = recon::topology_of(mesh);
   }
   if (!topology.is_sphere())

@@ -40,6 +40,7 @@ double ellipsoid_distance(const BodyPart& part, const Vector3d& p) {
   return k1 > 1e-9 ? k0 * (k0 - 1.0) / k1 : -part.radii.minCoeff();
 }
 
+constexpr double kReferenceHeight = 1.75;
 constexpr double kShirtHem = 0.900;  // metres above the floor, of a body of 1.75 m
 constexpr double kHemStep = 0.009;   // how far a loose shirt stands off the trousers
 
@@ -62,7 +63,10 @@ HeadFrame::HeadFrame(const Skeleton& skeleton, const BodyBuild& build)
       scale(std::pow(build.height / 1.75, 0.5) * (build.sex == Sex::male ? 1.0 : 0.985)) {}
 
 BodyShape::BodyShape(const Skeleton& skeleton, const BodyBuild& build)
-    : build_(build), head_(skeleton, build), parts_(body_parts(skeleton, build)) {}
+    : build_(build),
+      head_(skeleton, build),
+      garments_(build.outfit, build.girth, build.seed),
+      parts_(body_parts(skeleton, build)) {}
 
 double BodyShape::trunk_distance(const Vector3d& p) const {
   const double scale = build_.height / 1.75;
@@ -95,7 +99,7 @@ double BodyShape::part_distance(const BodyPart& part, const Vector3d& p) const {
   return is_cloth(part.material) && std::abs(d) < 0.05 ? d + (0.35 + 0.65 * build_.ease) * fold(p) : d;
 }
 
-double BodyShape::distance(const Vector3d& p) const {
+double BodyShape::bare_distance(const Vector3d& p) const {
   double d = 1e3;
   for (const auto& part : parts_) {
     const double at_least = (p - part.centre).norm() - part.reach;
@@ -104,6 +108,19 @@ double BodyShape::distance(const Vector3d& p) const {
     d = part.carve ? smooth_max(d, -own, part.blend) : smooth_min(d, own, part.blend);
   }
   return d;
+}
+
+double BodyShape::distance(const Vector3d& p) const {
+  const double scale = build_.height / kReferenceHeight;
+  return scale * garments_.distance(p / scale, bare_distance(p) / scale);
+}
+
+double BodyShape::looseness(const Vector3d& p) const {
+  return garments_.looseness(p * (kReferenceHeight / build_.height));
+}
+
+double BodyShape::reach() const {
+  return garments_.reach() * build_.height / kReferenceHeight;
 }
 
 Vector3d BodyShape::gradient(const Vector3d& p) const {
@@ -143,6 +160,8 @@ BodyPlace BodyShape::place_on(std::size_t part_index, const Vector3d& p) const {
   place.along = axial ? from.dot(axis) : -p.z();
   place.to_end = (part.b - part.a).norm() - place.along;
   place.around = std::atan2(from.dot(side), from.dot(front));
+  if (place.material != Material::shoe && place.material != Material::sole && place.material != Material::hair)
+    place.worn = garments_.place_of(p * (kReferenceHeight / build_.height));
   return place;
 }
 

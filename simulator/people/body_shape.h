@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "simulator/people/garment.h"
 #include "simulator/people/skeleton.h"
 
 namespace rotunda::simulator {
@@ -32,6 +33,7 @@ struct BodyBuild {
   double ease = 1.0;                            // how loosely sleeves and trousers hang; 0: tight on the limbs
   HairStyle hair = HairStyle::short_cut;
   FaceBuild face = {};
+  Outfit outfit = Outfit::loose_shirt;
 };
 
 // A round cone from a to b, or an ellipsoid about a.
@@ -66,9 +68,10 @@ struct HeadFrame {
 struct BodyPlace {
   Material material = Material::skin;
   Joint joint = Joint::pelvis;
-  double along = 0.0;   // metres from the part's start
-  double to_end = 0.0;  // metres left to the end of its axis
-  double around = 0.0;  // radians about the part's axis
+  double along = 0.0;      // metres from the part's start
+  double to_end = 0.0;     // metres left to the end of its axis
+  double around = 0.0;     // radians about the part's axis
+  GarmentPlace worn = {};  // what covers it there
 };
 
 class BodyShape {
@@ -82,6 +85,9 @@ class BodyShape {
   // How closed in a point of the surface is by the body itself: 1 open, 0 buried (Evans 2006: distance field sampled
   // along the normal).
   double openness(const Eigen::Vector3d& p, const Eigen::Vector3d& normal) const;
+  double bare_distance(const Eigen::Vector3d& p) const;  // of the body without its clothes
+  double looseness(const Eigen::Vector3d& p) const;      // of the cloth at a point of the surface, 0 to 1
+  double reach() const;                                  // half the extent of what hangs, metres
   const BodyBuild& build() const { return build_; }
   const HeadFrame& head() const { return head_; }
 
@@ -92,6 +98,7 @@ class BodyShape {
 
   BodyBuild build_;
   HeadFrame head_;
+  Garments garments_;
   std::vector<BodyPart> parts_;
 };
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "simulator/people/garment_colour.h"
 #include "simulator/people/paint.h"
 #include "simulator/people/skin_colour.h"
 #include "simulator/people/solid_noise.h"
@@ -120,32 +121,33 @@ Vector3d sole_colour(const Spot& spot) {
   return rgb(spot.clothing.sole) * (1.0 + 0.2 * spot.grain(0.007, 81));
 }
 
+Vector3d bare_colour(const BodyShape& shape, const Spot& spot, const Vector3d& p) {
+  switch (spot.place.material) {
+    case Material::hair:
+      return hair_colour(shape, spot.clothing, p);
+    case Material::shoe:
+      return shoe_colour(spot);
+    case Material::sole:
+      return sole_colour(spot);
+    case Material::skin:
+    case Material::shirt:
+    case Material::trousers:
+      break;
+  }
+  return skin_colour(shape, spot.clothing, p, spot.place);
+}
+
 }  // namespace
 
 Vector3d colour_at(const BodyShape& shape, const Clothing& clothing, const Vector3d& p, const BodyPlace& place) {
   const Spot spot{clothing, p * (1.75 / shape.build().height), place, shape.build().seed};
-  Vector3d colour = Vector3d::Zero();
-  switch (spot.place.material) {
-    case Material::skin:
-      colour = skin_colour(shape, clothing, p, place);
-      break;
-    case Material::hair:
-      colour = hair_colour(shape, clothing, p);
-      break;
-    case Material::shirt:
-      colour = shirt_colour(spot);
-      break;
-    case Material::trousers:
-      colour = trousers_colour(spot);
-      break;
-    case Material::shoe:
-      colour = shoe_colour(spot);
-      break;
-    case Material::sole:
-      colour = sole_colour(spot);
-      break;
-  }
-  return colour.cwiseMax(0.0).cwiseMin(1.0);
+  const auto clipped = [](const Vector3d& colour) -> Vector3d { return colour.cwiseMax(0.0).cwiseMin(1.0); };
+  const Garment garment = place.worn.garment;
+  if (garment == Garment::bare) return clipped(bare_colour(shape, spot, p));
+  if (garment == Garment::shirt) return clipped(shirt_colour(spot));
+  if (garment == Garment::trousers && shape.build().outfit == Outfit::loose_shirt)
+    return clipped(trousers_colour(spot));
+  return clipped(garment_colour(clothing, spot.p, place, shape.build()));
 }
 
 }  // namespace rotunda::simulator

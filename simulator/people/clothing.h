@@ -12,7 +12,7 @@ struct Clothing {
   recon::Colour skin{214, 165, 140}, hair{74, 50, 32}, iris{92, 66, 40}, lips{186, 108, 98};
   double stubble = 0.35, blush = 0.8, freckles = 0.04;  // 0 to 1
   recon::Colour shirt{158, 38, 40}, shirt_check{46, 38, 40}, shirt_line{226, 206, 160};
-  recon::Colour trousers{158, 134, 98}, shoe{92, 58, 36}, sole{58, 50, 44};
+  recon::Colour trousers{158, 134, 98}, shoe{92, 58, 36}, sole{58, 50, 44}, belt{46, 34, 30};
   double check = 0.052;  // period of the shirt's checks, metres
 };
 

@@ -12,6 +12,8 @@
 namespace rotunda::simulator {
 namespace {
 
+constexpr double kClothSpacing = 0.026;  // metres between particles
+
 // A slim woman of 1.64 m with a ponytail.
 PersonDescription anna() {
   PersonDescription anna{.name = "anna"};
@@ -23,10 +25,11 @@ PersonDescription anna() {
                 .limbs = 0.93,
                 .ease = 0.0,
                 .hair = HairStyle::ponytail,
-                .face = {.nose_width = 0.93, .lips = 1.05, .jaw = 0.97}};
+                .face = {.nose_width = 0.93, .lips = 1.05, .jaw = 0.97},
+                .outfit = Outfit::close_fit};
   auto& look = anna.clothing;
   look.skin = {226, 180, 158}, look.hair = {128, 88, 50}, look.iris = {84, 112, 124}, look.lips = {190, 98, 96};
-  look.shirt = {214, 178, 66}, look.shirt_check = {196, 160, 56}, look.shirt_line = {236, 214, 150};
+  look.shirt = {226, 186, 74}, look.shirt_check = {62, 50, 66}, look.shirt_line = {196, 60, 50};
   look.trousers = {58, 62, 78}, look.shoe = {206, 200, 192}, look.sole = {230, 226, 218};
   look.freckles = 0.22;
   return anna;
@@ -47,7 +50,7 @@ PersonDescription bo() {
               .face = {.nose_width = 1.22, .lips = 1.28, .jaw = 1.06, .brow = 1.05, .beard = 0.007}};
   auto& look = bo.clothing;
   look.skin = {122, 80, 58}, look.hair = {34, 26, 24}, look.iris = {52, 34, 24}, look.lips = {122, 70, 66};
-  look.shirt = {196, 198, 196}, look.shirt_check = {178, 182, 182}, look.shirt_line = {160, 120, 96};
+  look.shirt = {196, 198, 190}, look.shirt_check = {104, 126, 110}, look.shirt_line = {170, 110, 76};
   look.trousers = {74, 66, 60}, look.shoe = {48, 40, 38}, look.sole = {34, 32, 32};
   look.stubble = 0.0, look.blush = 0.5, look.freckles = 0.0;
   return bo;
@@ -67,10 +70,11 @@ PersonDescription carla() {
                  .belly = 0.012,
                  .ease = 0.0,
                  .hair = HairStyle::bob,
-                 .face = {.nose_width = 1.04, .lips = 1.18, .jaw = 1.0, .brow = 1.15, .cheeks = 1.08}};
+                 .face = {.nose_width = 1.04, .lips = 1.18, .jaw = 1.0, .brow = 1.15, .cheeks = 1.08},
+                 .outfit = Outfit::dress};
   auto& look = carla.clothing;
   look.skin = {198, 146, 116}, look.hair = {40, 28, 24}, look.iris = {70, 46, 28}, look.lips = {172, 74, 76};
-  look.shirt = {132, 40, 62}, look.shirt_check = {112, 32, 54}, look.shirt_line = {196, 120, 124};
+  look.shirt = {132, 40, 62}, look.shirt_check = {236, 206, 196}, look.shirt_line = {226, 140, 96};
   look.trousers = {60, 54, 58}, look.shoe = {52, 40, 40}, look.sole = {40, 34, 34};
   return carla;
 }
@@ -87,10 +91,11 @@ PersonDescription dan() {
       .limbs = 0.95,
       .belly = 0.025,
       .ease = 0.8,
-      .face = {.nose_width = 1.05, .nose_length = 1.18, .lips = 0.8, .jaw = 0.96, .brow = 1.15, .cheeks = 0.95}};
+      .face = {.nose_width = 1.05, .nose_length = 1.18, .lips = 0.8, .jaw = 0.96, .brow = 1.15, .cheeks = 0.95},
+      .outfit = Outfit::coat};
   auto& look = dan.clothing;
   look.skin = {220, 172, 152}, look.hair = {150, 146, 142}, look.iris = {96, 120, 132}, look.lips = {180, 112, 106};
-  look.shirt = {112, 122, 148}, look.shirt_check = {98, 108, 136}, look.shirt_line = {140, 150, 172};
+  look.shirt = {112, 122, 148}, look.shirt_check = {82, 92, 120}, look.shirt_line = {140, 150, 172};
   look.trousers = {70, 66, 62}, look.shoe = {58, 40, 30}, look.sole = {36, 32, 30};
   look.stubble = 0.30, look.blush = 1.0;
   return dan;
@@ -152,6 +157,7 @@ Person make_person(const PersonDescription& description) {
   person.texture = paint_surface(person.bind, description.texels_per_edge, [&](std::size_t triangle, const auto& p) {
     return colour_on(person.bind, parts, shape, description.clothing, triangle, p);
   });
+  person.cloth = cloth_of(person.bind, shape, person.skeleton, kClothSpacing * std::max(1.0, description.coarseness));
   return person;
 }
 

@@ -7,6 +7,7 @@
 
 #include "recon/mesh/triangle_mesh.h"
 #include "simulator/people/body_shape.h"
+#include "simulator/people/cloth.h"
 #include "simulator/people/clothing.h"
 #include "simulator/people/skeleton.h"
 #include "simulator/people/skin_weights.h"
@@ -21,6 +22,7 @@ struct Person {
   std::vector<SkinWeights> weights;  // one a vertex
   std::vector<float> openness;       // one a vertex: 1 open to all light, 0 buried
   SurfaceTexture texture;
+  Cloth cloth;  // what of the surface moves by itself
 };
 
 struct PersonDescription {

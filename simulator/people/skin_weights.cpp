@@ -17,7 +17,12 @@ std::vector<Row> hard_weights(const recon::TriangleMesh& mesh, const BodyShape& 
   std::vector<Row> rows(mesh.positions.size());
   tbb::parallel_for(std::size_t{0}, rows.size(), [&](std::size_t v) {
     rows[v].fill(0.0F);
-    rows[v][index(shape.place_of(mesh.positions[v].cast<double>()).joint)] = 1.0F;
+    const BodyPlace place = shape.place_of(mesh.positions[v].cast<double>());
+    const auto left = static_cast<float>(place.worn.left_thigh), right = static_cast<float>(place.worn.right_thigh);
+    const bool hangs = left + right > 0.0F;
+    rows[v][index(hangs ? Joint::pelvis : place.joint)] = 1.0F - left - right;
+    rows[v][index(Joint::thigh_left)] += left;
+    rows[v][index(Joint::thigh_right)] += right;
   });
   return rows;
 }

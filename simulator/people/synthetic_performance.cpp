@@ -35,9 +35,19 @@ Pose SyntheticPerformance::pose_at(double seconds) const {
 }
 
 std::vector<recon::TriangleMesh> SyntheticPerformance::surfaces_at(double seconds) const {
-  std::vector<recon::TriangleMesh> surfaces = {posed_mesh(person_, pose_at(seconds))};
+  const double inside = within_round(seconds);
+  const auto transforms = joint_transforms(person_.skeleton, motion_.pose_at(inside));
+  std::vector<recon::TriangleMesh> surfaces = {skinned(person_.bind, person_.weights, transforms)};
+  cloth().move(person_, transforms, inside, surfaces.front());
   if (const auto board = board_at(seconds)) surfaces.push_back(carried(figures_.back().bind, *board));
   return surfaces;
+}
+
+const ClothMotion& SyntheticPerformance::cloth() const {
+  std::call_once(cloth_computed_, [&] {
+    cloth_.emplace(person_, motion_.pose_at, ClothMotionOptions{motion_.frames, motion_.is_cyclic, kActStep});
+  });
+  return *cloth_;
 }
 
 void SyntheticPerformance::carry_board() {
@@ -65,6 +75,8 @@ std::string SyntheticPerformance::fingerprint() const {
     print.add_bytes(weights.joint.data(), sizeof weights.joint);
     print.add_bytes(weights.weight.data(), sizeof weights.weight);
   }
+  print.add_bytes(&kClothEdition, sizeof kClothEdition);
+  for (const auto& particle : person_.cloth.particles) print.add_bytes(&particle.looseness, sizeof particle.looseness);
   // The motion is told by what it does to the joints, whatever makes it.
   for (int frame = 0; frame < motion_.frames; ++frame)
     for (const auto& [position, rotation] : joints_at(act_seconds(frame))) {

@@ -1,5 +1,8 @@
 #pragma once
-// One of the simulator's own people in a motion: the skin follows the skeleton.
+// One of the simulator's own people in a motion: the skin follows the skeleton, loose cloth moves by itself.
+#include <mutex>
+
+#include "simulator/people/cloth_motion.h"
 #include "simulator/people/performance.h"
 #include "simulator/people/person.h"
 
@@ -28,12 +31,15 @@ class SyntheticPerformance : public Performance {
 
  private:
   double within_round(double seconds) const;
+  const ClothMotion& cloth() const;
 
   Person person_;
   Motion motion_;
   std::vector<Figure> figures_;
   std::vector<JointInfo> joints_;
   bool has_board_ = false;
+  mutable std::once_flag cloth_computed_;  // by whoever asks for a surface first
+  mutable std::optional<ClothMotion> cloth_;
 };
 
 }  // namespace rotunda::simulator
