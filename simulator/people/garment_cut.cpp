@@ -65,8 +65,11 @@ BellPlace bell_place(const Bell& bell, double girth, std::uint32_t seed, const V
   return place;
 }
 
+constexpr double kNape = 1.38;  // the lowest a neckline goes behind
+
 double round_neck(const Top& top, const Vector3d& q) {
-  return top.neckline - std::hypot(q.x() + 0.022 - 0.15 * (q.z() - 1.47), q.y());
+  const double circle = top.neckline - std::hypot(q.x() + 0.022 - 0.15 * (q.z() - 1.47), q.y());
+  return std::min(circle, q.z() - kNape);  // the neck leans: its axis would leave the body through the back
 }
 
 double neckline(const Top& top, const Vector3d& q) {
