@@ -26,7 +26,7 @@ class Faults : public StudioTest {
   }
   // Of a person who stands still: there is little to render ahead.
   std::unique_ptr<ScopedProgram> start_faulty_sim(const fs::path& rig, const std::string& faults) {
-    auto sim = start("rotunda-sim", {"--rig", rig.string(), "--act", "a-pose", "--faults",
+    auto sim = start("rotunda-sim", {"--rig", rig.string(), "--act", "a-pose", "--no-cache", "--faults",
                                      write_faults(faults).string(), "--control", control().string()});
     EXPECT_TRUE(sim->wait_for("cameras ready on")) << sim->err();
     return sim;
