@@ -13,6 +13,7 @@
 #include "simulator/gige/chunk_data.h"
 #include "simulator/gige/genicam_xml.h"
 #include "simulator/gige/gvsp.h"
+#include "simulator/gige/zip_archive.h"
 
 namespace rotunda::simulator {
 namespace {
@@ -140,10 +141,9 @@ DeviceRegisters::DeviceRegisters(const GigeCameraOptions& options)
     throw InvalidInput(fmt::format("{}: {} x {} is no picture", options.name, options.width, options.height));
   limits_ = region_limits(options);
   for (const auto format : selectable_formats(options.format)) pixel_codes_.push_back(pixel_code(format));
-  const std::string xml = genicam_xml(options);
-  xml_.assign(xml.begin(), xml.end());
-  store_text(0x200, 512, fmt::format("Local:rotunda.xml;{:x};{:x}", reg::kXml, xml_.size()));
-  xml_.resize((xml_.size() + 3) / 4 * 4, ' ');
+  description_ = zip_archive("rotunda.xml", genicam_xml(options));
+  store_text(0x200, 512, fmt::format("Local:rotunda.zip;{:x};{:x}", reg::kDescription, description_.size()));
+  description_.resize((description_.size() + 3) / 4 * 4);
   describe_device(options);
   describe_capabilities();
   describe_features(options);
@@ -247,7 +247,8 @@ std::optional<std::span<const std::uint8_t>> DeviceRegisters::read(std::uint32_t
     std::uint32_t begin;
     const std::vector<std::uint8_t>& memory;
   };
-  for (const Area& area : {Area{0, bootstrap_}, Area{kFeatureBegin, features_}, Area{reg::kXml, xml_}}) {
+  for (const Area& area :
+       {Area{0, bootstrap_}, Area{kFeatureBegin, features_}, Area{reg::kDescription, description_}}) {
     const std::size_t size = area.memory.size();
     if (address >= area.begin && address - area.begin < size && bytes <= size - (address - area.begin))
       return std::span{area.memory}.subspan(address - area.begin, bytes);

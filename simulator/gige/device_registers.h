@@ -51,7 +51,7 @@ inline constexpr std::uint32_t kUserSetSelector = 0x10700, kUserSetLoad = 0x1070
                                kUserSetDefault = 0x1070C;
 inline constexpr std::uint32_t kTransmissionDelay = 0x10800;  // GevSCFTD, ns
 inline constexpr std::uint32_t kFeatureEnd = 0x10900;
-inline constexpr std::uint32_t kXml = 0x200000;
+inline constexpr std::uint32_t kDescription = 0x200000;
 }  // namespace reg
 
 enum class AcquisitionMode : std::uint32_t { continuous = 0, single_frame = 1, multi_frame = 2 };
@@ -103,7 +103,7 @@ class DeviceRegisters {
   void store_text(std::uint32_t address, std::size_t room, std::string_view text);
 
   RegionLimits limits_{};
-  std::vector<std::uint8_t> bootstrap_, features_, xml_;
+  std::vector<std::uint8_t> bootstrap_, features_, description_;
   std::vector<std::uint32_t> pixel_codes_;  // formats that may be asked for
 };
 

@@ -2,9 +2,18 @@
 
 #include <fmt/format.h>
 
+#include <limits>
 #include <utility>
 
 namespace rotunda::simulator {
+namespace {
+
+// That GenApi takes for the maximum of an unsigned register.
+std::int64_t largest(int bytes) {
+  return bytes == 4 ? 0xFFFFFFFF : std::numeric_limits<std::int64_t>::max();
+}
+
+}  // namespace
 
 GenicamWriter::GenicamWriter() {
   text_ =
@@ -29,64 +38,64 @@ void GenicamWriter::text(std::string_view name, std::uint32_t address, int bytes
       name, address, bytes, access);
 }
 
+// What nobody may write needs no limits: the register itself is the feature.
 void GenicamWriter::integer(const IntegerFeature& f) {
-  text_ += fmt::format("<Integer Name=\"{0}\"><pValue>{0}Reg</pValue><Min>{1}</Min>", f.name, f.min);
-  text_ += f.max_node.empty() ? fmt::format("<Max>{}</Max>", f.max) : fmt::format("<pMax>{}</pMax>", f.max_node);
-  text_ += fmt::format("<Inc>{}</Inc>", f.step);
+  const bool is_plain = f.access == "RO" && f.unit.empty() && !registers_.contains(f.address);
+  const auto value = register_of({f.name, f.address, f.access, f.bytes, f.sign}, is_plain ? "" : "Reg");
+  if (is_plain) return;
+  text_ += fmt::format("<Integer Name=\"{}\"><pValue>{}</pValue>", f.name, value);
+  if (f.min != 0 || f.max != largest(f.bytes)) {
+    text_ += fmt::format("<Min>{}</Min>", f.min);
+    text_ += f.max_node.empty() ? fmt::format("<Max>{}</Max>", f.max) : fmt::format("<pMax>{}</pMax>", f.max_node);
+  }
+  if (f.step != 1) text_ += fmt::format("<Inc>{}</Inc>", f.step);
   if (!f.unit.empty()) text_ += fmt::format("<Unit>{}</Unit>", f.unit);
   text_ += "</Integer>\n";
-  number_register(f.name, f.address, f.access, f.bytes, f.sign);
 }
 
 void GenicamWriter::floating(const FloatFeature& f) {
+  const auto value = register_of({.name = f.name, .address = f.address, .access = f.access, .selector = f.selector});
   text_ +=
       fmt::format("<Float Name=\"{0}\"><pValue>{0}Scaled</pValue><Min>{1}</Min><Max>{2}</Max>", f.name, f.min, f.max);
   if (!f.unit.empty()) text_ += fmt::format("<Unit>{}</Unit>", f.unit);
   text_ += fmt::format(
       "</Float>\n<Converter Name=\"{0}Scaled\"><FormulaTo>FROM * {1}</FormulaTo><FormulaFrom>TO / {1}</FormulaFrom>"
-      "<pValue>{0}Reg</pValue><Slope>Increasing</Slope></Converter>\n",
-      f.name, f.scale);
-  number_register(f.name, f.address, f.access, 4, "Unsigned", f.selector);
+      "<pValue>{2}</pValue><Slope>Increasing</Slope></Converter>\n",
+      f.name, f.scale, value);
 }
 
 void GenicamWriter::boolean(std::string_view name, std::uint32_t address, std::string_view selector) {
-  text_ += fmt::format(
-      "<Boolean Name=\"{0}\"><pValue>{0}Reg</pValue><OnValue>1</OnValue><OffValue>0</OffValue></Boolean>\n", name);
-  number_register(name, address, "RW", 4, "Unsigned", selector);
+  const auto value = register_of({.name = name, .address = address, .selector = selector});
+  text_ += fmt::format("<Boolean Name=\"{}\"><pValue>{}</pValue><OnValue>1</OnValue><OffValue>0</OffValue></Boolean>\n",
+                       name, value);
 }
 
 void GenicamWriter::command(std::string_view name, std::uint32_t address, int value) {
-  text_ += fmt::format("<Command Name=\"{0}\"><pValue>{0}Reg</pValue><CommandValue>{1}</CommandValue></Command>\n",
-                       name, value);
-  number_register(name, address, "RW", 4, "Unsigned");
-}
-
-void GenicamWriter::enum_entries(std::string_view name, const std::vector<Entry>& entries) {
-  text_ += fmt::format("<Enumeration Name=\"{}\">", name);
-  for (const auto& entry : entries)
-    text_ += fmt::format("<EnumEntry Name=\"{}\"><Value>{}</Value></EnumEntry>", entry.name, entry.value);
-  text_ += fmt::format("<pValue>{}Reg</pValue>", name);
+  const auto where = register_of({.name = name, .address = address});
+  text_ += fmt::format("<Command Name=\"{}\"><pValue>{}</pValue><CommandValue>{}</CommandValue></Command>\n", name,
+                       where, value);
 }
 
 void GenicamWriter::enumeration(std::string_view name, std::uint32_t address, std::string_view access,
-                                const std::vector<Entry>& entries) {
-  enum_entries(name, entries);
+                                const std::vector<Entry>& entries, const std::vector<std::string_view>& selected) {
+  const auto value = register_of({.name = name, .address = address, .access = access});
+  text_ += fmt::format("<Enumeration Name=\"{}\">", name);
+  for (const auto& entry : entries)
+    text_ += fmt::format("<EnumEntry Name=\"{}\"><Value>{}</Value></EnumEntry>", entry.name, entry.value);
+  text_ += fmt::format("<pValue>{}</pValue>", value);
+  for (const auto feature : selected) text_ += fmt::format("<pSelected>{}</pSelected>", feature);
   text_ += "</Enumeration>\n";
-  number_register(name, address, access, 4, "Unsigned");
 }
 
 void GenicamWriter::selector(std::string_view name, std::uint32_t address, const std::vector<Entry>& entries,
                              const std::vector<std::string_view>& features) {
-  enum_entries(name, entries);
-  for (const auto feature : features) text_ += fmt::format("<pSelected>{}</pSelected>", feature);
-  text_ += "</Enumeration>\n";
-  number_register(name, address, "RW", 4, "Unsigned");
+  enumeration(name, address, "RW", entries, features);
 }
 
 void GenicamWriter::bits(std::string_view name, std::uint32_t address, int first, int last) {
   text_ += fmt::format(
       "<MaskedIntReg Name=\"{}Reg\"><Address>0x{:x}</Address><Length>4</Length><AccessMode>RW</AccessMode>"
-      "<pPort>Device</pPort><Cachable>NoCache</Cachable><LSB>{}</LSB><MSB>{}</MSB><Sign>Unsigned</Sign>"
+      "<pPort>Device</pPort><Cachable>NoCache</Cachable><LSB>{}</LSB><MSB>{}</MSB>"
       "<Endianess>BigEndian</Endianess></MaskedIntReg>\n",
       name, address, last, first);
 }
@@ -99,14 +108,18 @@ void GenicamWriter::masked_integer(std::string_view name, std::uint32_t address,
                   name, min, max);
 }
 
-void GenicamWriter::number_register(std::string_view name, std::uint32_t address, std::string_view access, int bytes,
-                                    std::string_view sign, std::string_view selector) {
-  text_ += fmt::format("<IntReg Name=\"{}Reg\"><Address>0x{:x}</Address>", name, address);
-  if (!selector.empty()) text_ += fmt::format("<pIndex Offset=\"4\">{}</pIndex>", selector);
-  text_ += fmt::format(
-      "<Length>{}</Length><AccessMode>{}</AccessMode><pPort>Device</pPort><Cachable>NoCache</Cachable>"
-      "<Sign>{}</Sign><Endianess>BigEndian</Endianess></IntReg>\n",
-      bytes, access, sign);
+// What the schema takes for granted is left out: clients take some microseconds for each element.
+std::string GenicamWriter::register_of(const Register& r, std::string_view suffix) {
+  const auto [known, is_new] = registers_.try_emplace(r.address, fmt::format("{}{}", r.name, suffix));
+  if (!is_new) return known->second;
+  text_ += fmt::format("<IntReg Name=\"{}\"><Address>0x{:x}</Address>", known->second, r.address);
+  if (!r.selector.empty()) text_ += fmt::format("<pIndex Offset=\"4\">{}</pIndex>", r.selector);
+  text_ += fmt::format("<Length>{}</Length>", r.bytes);
+  if (r.access != "RO") text_ += fmt::format("<AccessMode>{}</AccessMode>", r.access);
+  text_ += "<pPort>Device</pPort><Cachable>NoCache</Cachable>";
+  if (r.sign != "Unsigned") text_ += fmt::format("<Sign>{}</Sign>", r.sign);
+  text_ += "<Endianess>BigEndian</Endianess></IntReg>\n";
+  return known->second;
 }
 
 std::string GenicamWriter::finished() && {

@@ -1,6 +1,7 @@
 #pragma once
 // Writes GenICam nodes (GenApi 1.1 schema), a feature and the register behind it at a time.
 #include <cstdint>
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -50,7 +51,7 @@ class GenicamWriter {
   void boolean(std::string_view name, std::uint32_t address, std::string_view selector = "");
   void command(std::string_view name, std::uint32_t address, int value = 1);
   void enumeration(std::string_view name, std::uint32_t address, std::string_view access,
-                   const std::vector<Entry>& entries);
+                   const std::vector<Entry>& entries, const std::vector<std::string_view>& selected = {});
   // The node `selector` says which of those `features` are.
   void selector(std::string_view name, std::uint32_t address, const std::vector<Entry>& entries,
                 const std::vector<std::string_view>& features);
@@ -63,10 +64,18 @@ class GenicamWriter {
   std::string finished() &&;
 
  private:
-  void enum_entries(std::string_view name, const std::vector<Entry>& entries);
-  void number_register(std::string_view name, std::uint32_t address, std::string_view access, int bytes,
-                       std::string_view sign, std::string_view selector = "");
+  struct Register {
+    std::string_view name;  // of the feature
+    std::uint32_t address;
+    std::string_view access = "RW";
+    int bytes = 4;
+    std::string_view sign = "Unsigned";
+    std::string_view selector = "";
+  };
+  // The name of the register's node, which is written only once: features may share it.
+  std::string register_of(const Register& wanted, std::string_view suffix = "Reg");
 
+  std::map<std::uint32_t, std::string> registers_;  // names by address
   std::string text_;
 };
 

@@ -131,7 +131,7 @@ void describe_trigger(GenicamWriter& xml) {
   xml.enumeration("LineMode", reg::kLineMode, "RO", {{"Input", 0}});
   xml.integer({"LineStatusAll", reg::kLineStatus, "RO", 0, 1});
   xml.raw(
-      "<Boolean Name=\"LineStatus\"><pValue>LineStatusAllReg</pValue><OnValue>1</OnValue><OffValue>0</OffValue>"
+      "<Boolean Name=\"LineStatus\"><pValue>LineStatusAll</pValue><OnValue>1</OnValue><OffValue>0</OffValue>"
       "</Boolean>\n");
   xml.floating({"LineDebounceTime", reg::kLineDebounce, "RW", "us", 1000.0, 0.0, 10000.0});
   xml.integer({"ActionSelector", reg::kActionSelector, "RW", 0, 0});
@@ -169,8 +169,7 @@ void describe_ptp(GenicamWriter& xml) {
 void chunk_register(GenicamWriter& xml, std::string_view name, Chunk chunk, int bytes) {
   xml.raw(
       fmt::format("<IntReg Name=\"{0}Reg\"><Address>0x0</Address><Length>{1}</Length><AccessMode>RO</AccessMode>"
-                  "<pPort>{0}Port</pPort><Cachable>NoCache</Cachable><Sign>Unsigned</Sign><Endianess>BigEndian</"
-                  "Endianess></IntReg>\n"
+                  "<pPort>{0}Port</pPort><Cachable>NoCache</Cachable><Endianess>BigEndian</Endianess></IntReg>\n"
                   "<Port Name=\"{0}Port\"><ChunkID>{2:x}</ChunkID></Port>\n",
                   name, bytes, chunk_id(chunk)));
 }

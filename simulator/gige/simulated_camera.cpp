@@ -37,14 +37,15 @@ SimulatedCamera::SimulatedCamera(const GigeCameraOptions& options, PtpStatus rol
     : options_(options),
       role_(role),
       stream_source_port_(stream_source_port),
-      registers_(options),
+      factory_(options),
+      registers_(factory_),
       user_sets_(registers_.settings()),
       clock_(options.clock, role, powered_up) {
   power_cycle(powered_up);
 }
 
 void SimulatedCamera::power_cycle(Timestamp at) {
-  registers_ = DeviceRegisters(options_);
+  registers_ = factory_;
   registers_.set(reg::kSourcePort, stream_source_port_);
   registers_.set64(reg::kPtpClockId, clock_identity(options_.mac));
   if (user_sets_.user_name)
@@ -65,7 +66,7 @@ void SimulatedCamera::power_cycle(Timestamp at) {
 // --- registers --------------------------------------------------------------------------------------------------
 
 std::optional<std::vector<std::uint8_t>> SimulatedCamera::read(std::uint32_t address, std::size_t bytes, Timestamp at) {
-  if (address < reg::kXml) refresh(at);
+  if (address < reg::kDescription) refresh(at);
   const auto memory = registers_.read(address, bytes);
   if (!memory) return std::nullopt;
   std::vector<std::uint8_t> values(memory->begin(), memory->end());

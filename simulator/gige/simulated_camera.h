@@ -109,7 +109,7 @@ class SimulatedCamera {
   GigeCameraOptions options_;
   PtpStatus role_;
   std::uint16_t stream_source_port_;
-  DeviceRegisters registers_;
+  DeviceRegisters factory_, registers_;
   UserSets user_sets_;
   CameraClock clock_;
   Thermometer thermometer_;

@@ -1,4 +1,4 @@
-// Ten simulated GigE Vision cameras, 720 x 576, received by unmodified Aravis: how long ten take to open; 25 Hz by
+// Ten simulated GigE Vision cameras, 720 x 576, received by unmodified Aravis: 25 Hz by
 // scheduled actions, beside the same bytes at the same times by bare sendmmsg(), recv() and a write() a frame; and what
 // they send at most without loss, unpaced. Prints frames complete and the CPU time of each side's threads.
 //   gige_bench [seconds] [packet size] [realtime]
@@ -154,16 +154,6 @@ void run_studio(const Run& run) {
              100.0 * cpu_seconds_of("arv_gv_stream") / seconds);
 }
 
-void open_ten() {
-  simulator::GigeStudio studio(cameras(), nullptr);
-  studio.start();
-  { const tests::AravisClient warm(cameras().front().address); }  // Aravis' own start
-  std::vector<std::unique_ptr<tests::AravisClient>> clients;
-  const auto start = std::chrono::steady_clock::now();
-  for (const auto& camera : cameras()) clients.push_back(std::make_unique<tests::AravisClient>(camera.address));
-  fmt::print("open       {} cameras in {:.1f} ms\n", kCameras, milliseconds_since(start));
-}
-
 // Free run, each frame in one burst, as fast as ten cameras must be for the aggregate.
 void run_aggregate(const Run& run) {
   constexpr double kRate = kAggregateBytes / (kCameras * kPictureBytes);
@@ -303,7 +293,6 @@ int main(int argc, char** argv) {
   if (!refusal.empty()) fmt::print(stderr, "gige_bench: {}; using the machine's own loopback\n", refusal);
   fmt::print("{} cameras, {} x {}, 25 Hz, {} triggers, {} byte packets{}\n", rotunda::kCameras, rotunda::kWidth,
              rotunda::kHeight, run.triggers, run.packet_size, realtime ? ", real-time priority" : "");
-  rotunda::open_ten();
   rotunda::run_studio(run);
   rotunda::run_bare(run);
   rotunda::run_aggregate(run);

@@ -5,6 +5,8 @@
 #include <thread>
 
 #include "simulator/gige/chunk_data.h"
+#include "simulator/gige/device_registers.h"
+#include "simulator/gige/genicam_xml.h"
 #include "simulator/gige/region.h"
 #include "simulator/gige/trigger_box.h"
 #include "tests/support/aravis_client.h"
@@ -38,6 +40,31 @@ void set_boolean(AravisClient& client, const char* feature, bool value) {
 }
 
 }  // namespace
+
+TEST_F(GigeFeatures, TheDescriptionComesZippedAndWhole) {
+  TestStudio studio({.cameras = 1});
+  const AravisClient client(studio.address(0));
+  std::size_t bytes = 0;
+  const char* xml = arv_device_get_genicam_xml(client.device(), &bytes);
+  EXPECT_EQ(std::string(xml, bytes), genicam_xml(studio.cameras().front()));
+  const DeviceRegisters registers(studio.cameras().front());
+  const auto url = *registers.read(0x200, 512);
+  EXPECT_THAT(std::string(url.begin(), url.end()), testing::StartsWith("Local:rotunda.zip;200000;"));
+  EXPECT_FALSE(registers.read(reg::kDescription, bytes / 6));  // a client fetches an eighth or so of the text
+}
+
+TEST_F(GigeFeatures, FeaturesThatShareARegisterAgree) {
+  TestStudio studio({.cameras = 1});
+  AravisClient client(studio.address(0), kPacketSize);
+  set_boolean(client, "GevIEEE1588", true);
+  AravisError error;
+  EXPECT_TRUE(arv_camera_get_boolean(client.camera(), "PtpEnable", error));
+  error.check("PtpEnable");
+  client.execute("GevTimestampControlLatch");
+  EXPECT_GT(client.integer("GevTimestampValue"), 0);
+  EXPECT_EQ(client.integer("GevTimestampValue"), client.integer("TimestampLatchValue"));
+  EXPECT_EQ(client.integer("WidthMax"), client.integer("SensorWidth"));
+}
 
 TEST_F(GigeFeatures, ARegionCropsThePictureAndFollowsItsBounds) {
   TestStudio studio({.cameras = 1});
