@@ -12,7 +12,7 @@
 namespace rotunda::capture {
 namespace {
 
-constexpr std::array<std::pair<PixelFormat, std::string_view>, 7> kNames{{
+constexpr std::array<std::pair<PixelFormat, std::string_view>, 7> kFormats{{
     {PixelFormat::mono8, "Mono8"},
     {PixelFormat::bayer_rg8, "BayerRG8"},
     {PixelFormat::bayer_gr8, "BayerGR8"},
@@ -21,6 +21,28 @@ constexpr std::array<std::pair<PixelFormat, std::string_view>, 7> kNames{{
     {PixelFormat::rgb8, "RGB8"},
     {PixelFormat::bayer_rg12p, "BayerRG12p"},
 }};
+
+constexpr std::array<std::pair<HoleReason, std::string_view>, 7> kReasons{{
+    {HoleReason::late, "late"},
+    {HoleReason::packets_lost, "packets lost"},
+    {HoleReason::camera_lost, "camera lost"},
+    {HoleReason::trigger_missed, "trigger missed"},
+    {HoleReason::disk_too_slow, "disk too slow"},
+    {HoleReason::not_recorded, "not recorded"},
+    {HoleReason::corrupt, "corrupt"},
+}};
+
+template <class Table, class Value>
+std::string_view name_in(const Table& table, Value value) {
+  return std::find_if(table.begin(), table.end(), [&](const auto& row) { return row.first == value; })->second;
+}
+
+template <class Value, std::size_t N>
+std::optional<Value> value_in(const std::array<std::pair<Value, std::string_view>, N>& table, std::string_view name) {
+  const auto row = std::find_if(table.begin(), table.end(), [&](const auto& entry) { return entry.second == name; });
+  if (row == table.end()) return std::nullopt;
+  return row->first;
+}
 
 }  // namespace
 
@@ -41,14 +63,28 @@ std::size_t image_bytes(int width, int height, PixelFormat format) {
 }
 
 std::string_view to_string(PixelFormat format) {
-  return std::find_if(kNames.begin(), kNames.end(), [&](const auto& row) { return row.first == format; })->second;
+  return name_in(kFormats, format);
 }
 
 std::optional<PixelFormat> pixel_format_from(std::string_view genicam_name) {
-  const auto row =
-      std::find_if(kNames.begin(), kNames.end(), [&](const auto& entry) { return entry.second == genicam_name; });
-  if (row == kNames.end()) return std::nullopt;
-  return row->first;
+  return value_in(kFormats, genicam_name);
+}
+
+std::string_view to_string(HoleReason reason) {
+  return name_in(kReasons, reason);
+}
+
+std::optional<HoleReason> hole_reason_from(std::string_view words) {
+  return value_in(kReasons, words);
+}
+
+std::span<const HoleReason> hole_reasons() {
+  static constexpr auto reasons = [] {
+    std::array<HoleReason, kReasons.size()> all{};
+    for (std::size_t i = 0; i < all.size(); ++i) all[i] = kReasons[i].first;
+    return all;
+  }();
+  return reasons;
 }
 
 Image make_image(int width, int height, PixelFormat format, std::vector<std::uint8_t> bytes) {

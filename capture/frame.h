@@ -51,15 +51,30 @@ Image make_image(int width, int height, PixelFormat format, std::vector<std::uin
 struct Frame {
   CameraId camera;
   std::uint64_t trigger = 0;            // counted from the start of the take; gaps are dropped frames
+  std::optional<std::uint64_t> id;      // the camera's own count of its exposures, never wrapping; nothing: it has none
   Timestamp exposure_start;             // shutter opens
   std::chrono::nanoseconds exposure{};  // mid-exposure = exposure_start + exposure / 2
   Image image;
 };
 
+// Why a frame set has no frame of a camera.
+enum class HoleReason {
+  late,            // not here by the set's deadline, nobody knows why
+  packets_lost,    // exposed, lost on the wire
+  camera_lost,     // the camera was not there
+  trigger_missed,  // the camera was there and did not expose
+  disk_too_slow,   // came, and could not be written in time
+  not_recorded,    // nothing in the take says why
+  corrupt,         // in the take, but not as it was recorded
+};
+std::string_view to_string(HoleReason reason);  // "packets lost"
+std::optional<HoleReason> hole_reason_from(std::string_view words);
+std::span<const HoleReason> hole_reasons();  // all, as above
+
 // One trigger: a slot per camera of the rig, in the rig's order; a hole says why.
 struct FrameSlot {
   std::optional<Frame> frame;
-  std::string missing_because;  // "late", "packets lost", "camera absent"; empty when there is a frame
+  std::optional<HoleReason> missing_because;  // nothing when there is a frame
 };
 
 struct FrameSet {

@@ -70,7 +70,7 @@ Row camera_row(const capture::TakeReader& take, const ContactSheetOptions& optio
     const auto& name = take.info().cameras[camera].name;
     row.push_back(slot.frame ? CaptionedPicture{capture::to_rgb(slot.frame->image),
                                                 fmt::format("{}, frame {}", name, options.frame)}
-                             : CaptionedPicture{{}, fmt::format("{}: {}", name, slot.missing_because)});
+                             : CaptionedPicture{{}, fmt::format("{}: {}", name, to_string(*slot.missing_because))});
   }
   return row;
 }

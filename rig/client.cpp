@@ -98,4 +98,14 @@ TakeProgress RigClient::stop_take() {
   return from_message(closed);
 }
 
+RigStatus RigClient::set_live(bool on) {
+  grpc::ClientContext context;
+  set_deadline(context, kAnswerTime);
+  v1::SetLiveRequest request;
+  request.set_on(on);
+  v1::Status status;
+  connection_->check(connection_->stub->SetLive(&context, request, &status));
+  return from_message(status);
+}
+
 }  // namespace rotunda::rig

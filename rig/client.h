@@ -3,7 +3,9 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -25,6 +27,10 @@ struct CameraStatus {
   std::string name, device, state, model, serial, pixel_format, problem;
   std::uint32_t width = 0, height = 0, packet_size = 0, socket_buffer_bytes = 0;
   std::uint64_t frames = 0, incomplete = 0, resend_requests = 0;
+  double rate_hz = 0.0;                          // frames in the last second or so
+  std::map<std::string, std::uint64_t> missing;  // holes of the running take (or live, or the last take) by cause
+  std::optional<double> clipped;                 // share of pixels at their end, 0 .. 1; nothing: no pictures come
+  std::optional<double> focus;                   // 0 .. 1: how much of the finest detail is there
 };
 
 struct RigStatus {
@@ -63,6 +69,8 @@ class RigClient {
   TakeProgress start_take(const TakeRequest& request, const std::function<bool(const TakeProgress&)>& on_progress,
                           std::stop_token stop);
   TakeProgress stop_take();
+  // Has the cameras triggered and their pictures watched without a take, or no longer.
+  RigStatus set_live(bool on);
 
  private:
   struct Connection;

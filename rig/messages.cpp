@@ -17,7 +17,11 @@ CameraStatus from_message(const v1::CameraStatus& m) {
           .socket_buffer_bytes = m.socket_buffer_bytes(),
           .frames = m.frames(),
           .incomplete = m.incomplete(),
-          .resend_requests = m.resend_requests()};
+          .resend_requests = m.resend_requests(),
+          .rate_hz = m.rate_hz(),
+          .missing = {m.missing().begin(), m.missing().end()},
+          .clipped = m.has_clipped() ? std::optional(m.clipped()) : std::nullopt,
+          .focus = m.has_focus() ? std::optional(m.focus()) : std::nullopt};
 }
 
 void fill(const CameraStatus& camera, v1::CameraStatus& m) {
@@ -35,6 +39,10 @@ void fill(const CameraStatus& camera, v1::CameraStatus& m) {
   m.set_frames(camera.frames);
   m.set_incomplete(camera.incomplete);
   m.set_resend_requests(camera.resend_requests);
+  m.set_rate_hz(camera.rate_hz);
+  m.mutable_missing()->insert(camera.missing.begin(), camera.missing.end());
+  if (camera.clipped) m.set_clipped(*camera.clipped);
+  if (camera.focus) m.set_focus(*camera.focus);
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 
 #include "capture/source/aravis_camera.h"
 #include "capture/source/buffer_pool.h"
+#include "capture/source/exposure_counter.h"
 #include "capture/source/stream_socket.h"
 #include "capture/source/user_name.h"
 
@@ -65,6 +66,7 @@ class AravisSource final : public Source {
   FrameSink frame_sink_;
   IncompleteSink incomplete_sink_;
 
+  ExposureCounter counter_;  // touched by the stream thread only
   GRef<ArvCamera> camera_;
   GRef<ArvStream> stream_;
   std::shared_ptr<BufferPool> pool_;
@@ -155,6 +157,7 @@ void AravisSource::set_sinks(FrameSink frames, IncompleteSink incomplete) {
 
 void AravisSource::start(FrameSink frames, IncompleteSink incomplete) {
   require(SourceState::armed, "started");
+  counter_ = {};
   set_sinks(std::move(frames), std::move(incomplete));  // before the camera starts: the first frame counts
   start_acquisition(camera_.get(), settings_);
   become(SourceState::streaming);
@@ -210,7 +213,8 @@ bool AravisSource::is_whole(ArvBuffer* buffer) const {
 Frame AravisSource::frame_in(ArvBuffer* buffer, const std::uint8_t* data) {
   const Timestamp start{std::chrono::nanoseconds(arv_buffer_get_timestamp(buffer))};
   Image image{description_.width, description_.height, description_.format, pool_->lend(buffer, data)};
-  return {settings_.camera, 0, start, description_.exposure, std::move(image)};
+  return {settings_.camera, 0, counter_.count(arv_buffer_get_frame_id(buffer)), start, description_.exposure,
+          std::move(image)};
 }
 
 void AravisSource::hand_on(ArvBuffer* buffer) {

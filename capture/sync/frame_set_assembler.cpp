@@ -18,6 +18,7 @@ FrameSetAssembler::FrameSetAssembler(AssemblerOptions options) : options_(std::m
   tolerance_ = options_.tolerance.value_or(options_.grid.period / 2);
   absent_.assign(cameras.size(), false);
   counts_.cameras.resize(cameras.size());
+  ledgers_.resize(cameras.size());
 }
 
 std::size_t FrameSetAssembler::slot_of(const CameraId& camera) const {
@@ -44,6 +45,7 @@ FrameSetAssembler::Pending& FrameSetAssembler::pending(std::uint64_t trigger) {
 std::vector<FrameSet> FrameSetAssembler::add(Frame frame, Timestamp now) {
   const std::size_t camera = slot_of(frame.camera);
   auto& counts = counts_.cameras[camera];
+  if (frame.id) ledgers_[camera].came(*frame.id);
   const auto trigger = trigger_of(frame.exposure_start, now);
   if (!trigger) {
     ++counts.off_grid;
@@ -120,12 +122,29 @@ FrameSlot FrameSetAssembler::fill(std::size_t camera, Slot slot) {
   if (slot.frame) {
     ++counts.in_sets;
     counts.missing_in_a_row = 0;
-    return {std::move(slot.frame), ""};
+    ledgers_[camera].left_with(*slot.frame);
+    return {std::move(slot.frame), std::nullopt};
   }
+  const HoleReason why = slot.lost         ? HoleReason::packets_lost
+                         : absent_[camera] ? HoleReason::camera_lost
+                                           : why_nothing_came(camera);
+  ledgers_[camera].left_without(slot.lost);
   ++counts.missing;
   ++counts.missing_in_a_row;
-  if (slot.lost) ++counts.packets_lost;
-  return {std::nullopt, slot.lost ? "packets lost" : absent_[camera] ? "camera absent" : "late"};
+  ++counts.missing_because[why];
+  return {std::nullopt, why};
+}
+
+// What waits for its set already tells what became of the triggers before it.
+HoleReason FrameSetAssembler::why_nothing_came(std::size_t camera) const {
+  std::uint64_t announced = 0;
+  for (const auto& [trigger, slots] : pending_) {
+    const Slot& slot = slots[camera];
+    if (slot.frame && slot.frame->id)
+      return ledgers_[camera].reason(ExposureLedger::Place{trigger, *slot.frame->id}, announced);
+    if (slot.lost) ++announced;
+  }
+  return HoleReason::late;
 }
 
 }  // namespace rotunda::capture

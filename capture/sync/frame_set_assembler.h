@@ -1,7 +1,7 @@
 #pragma once
 // Groups the frames of many cameras into FrameSets, one a trigger, by each frame's time on the trigger grid.
 // Sets leave in trigger order, every trigger of the take exactly once: when no camera is waited for any more, or at the
-// deadline with holes that say why ("late": not here by the deadline; "packets lost"; "camera absent").
+// deadline with holes that say why.
 // Pure logic: no threads, no clock; the caller brings `now`. Use it from one thread at a time.
 #include <cstdint>
 #include <map>
@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "capture/frame.h"
+#include "capture/sync/exposure_ledger.h"
 #include "capture/sync/trigger_grid.h"
 
 namespace rotunda::capture {
@@ -25,12 +26,12 @@ struct AssemblerOptions {
 
 // Every frame handed in is counted once: in_sets, late, duplicate or off_grid, or it still waits for its set.
 struct AssemblerCameraCounts {
-  std::uint64_t in_sets = 0;           // frames that left in a set
-  std::uint64_t late = 0;              // came after their set had gone
-  std::uint64_t duplicate = 0;         // a second frame for one trigger
-  std::uint64_t off_grid = 0;          // near no trigger of the take, or from the future
-  std::uint64_t packets_lost = 0;      // announced by add_loss and told in a hole
-  std::uint64_t missing = 0;           // holes of any kind
+  std::uint64_t in_sets = 0;    // frames that left in a set
+  std::uint64_t late = 0;       // came after their set had gone
+  std::uint64_t duplicate = 0;  // a second frame for one trigger
+  std::uint64_t off_grid = 0;   // near no trigger of the take, or from the future
+  std::uint64_t missing = 0;    // holes of any kind
+  std::map<HoleReason, std::uint64_t> missing_because;
   std::uint64_t missing_in_a_row = 0;  // holes since the last frame: a silent camera shows here first
 };
 
@@ -47,7 +48,8 @@ class FrameSetAssembler {
 
   // Each returns the sets that can leave now, oldest first. A camera that is no slot of the rig is InvalidInput.
   std::vector<FrameSet> add(Frame frame, Timestamp now);
-  // A frame that came incomplete. Without its time it cannot be placed: the hole will say "late".
+  // A frame that came incomplete. Without its time it cannot be placed: its hole says why only if the camera counts its
+  // exposures.
   std::vector<FrameSet> add_loss(const CameraId& camera, std::optional<Timestamp> exposure_start, Timestamp now);
   // No frame is waited for from an absent camera (frames that come all the same are taken).
   std::vector<FrameSet> set_absent(const CameraId& camera, bool absent, Timestamp now);
@@ -77,11 +79,13 @@ class FrameSetAssembler {
   bool waits_for_nobody(const Pending& set) const;
   FrameSet close_next();
   FrameSlot fill(std::size_t camera, Slot slot);
+  HoleReason why_nothing_came(std::size_t camera) const;
   std::vector<FrameSet> collect(std::optional<Timestamp> now);
 
   AssemblerOptions options_;
   std::chrono::nanoseconds tolerance_{};
   std::vector<bool> absent_;
+  std::vector<ExposureLedger> ledgers_;
   std::map<std::uint64_t, Pending> pending_;
   std::uint64_t next_ = 0;  // trigger of the next set to leave
   AssemblerCounts counts_;

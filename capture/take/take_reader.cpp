@@ -112,10 +112,10 @@ FrameSlot TakeReader::read(std::size_t index, std::size_t camera) const {
     throw InvalidInput(fmt::format("take {} has {} frame sets of {} cameras; frame set {} of camera {} was asked for",
                                    info_.name, info_.frame_sets, files_.size(), index, camera));
   const StoredFrame* stored = find(index, camera);
-  if (stored == nullptr) return {.frame = std::nullopt, .missing_because = "not recorded"};
+  if (stored == nullptr) return {.frame = std::nullopt, .missing_because = HoleReason::not_recorded};
   auto frame = files_[camera].read(*stored);
-  if (!frame) return {.frame = std::nullopt, .missing_because = "corrupt"};
-  return {.frame = std::move(frame), .missing_because = ""};
+  if (!frame) return {.frame = std::nullopt, .missing_because = HoleReason::corrupt};
+  return {.frame = std::move(frame), .missing_because = std::nullopt};
 }
 
 FrameSet TakeReader::read(std::size_t index) const {

@@ -53,7 +53,7 @@ TakeReport verify_take(const std::filesystem::path& folder, const Progress& prog
         continue;
       }
       ++counts.missing;
-      if (set.slots[camera].missing_because == "corrupt") ++counts.corrupt;
+      if (set.slots[camera].missing_because == HoleReason::corrupt) ++counts.corrupt;
       extend_gap(report.gaps, last_gap, camera, counts.name, set.trigger);
     }
     if (progress) progress(index + 1, report.frame_sets);

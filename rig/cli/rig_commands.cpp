@@ -108,6 +108,10 @@ json to_json(const RigStatus& status) {
                        {"resend_requests", camera.resend_requests},
                        {"packet_size", camera.packet_size},
                        {"socket_buffer_bytes", camera.socket_buffer_bytes},
+                       {"rate_hz", camera.rate_hz},
+                       {"missing", camera.missing},
+                       {"clipped", camera.clipped ? json(*camera.clipped) : json()},
+                       {"focus", camera.focus ? json(*camera.focus) : json()},
                        {"problem", camera.problem}});
   return {{"rig", status.rig},
           {"state", status.state},
@@ -129,6 +133,17 @@ json to_json(const RigStatus& status) {
           {"cameras", cameras}};
 }
 
+std::string percent(const std::optional<double>& share) {
+  return share ? fmt::format("{:.1f}", 100.0 * *share) : "-";
+}
+
+// "3 late, 1 packets lost"
+std::string causes(const std::map<std::string, std::uint64_t>& missing) {
+  std::string text;
+  for (const auto& [why, frames] : missing) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", frames, why);
+  return text;
+}
+
 void print_status(const RigStatus& status) {
   fmt::print("{}: {}, trigger {} at {} Hz, takes in {}, {:.1f} min of recording left\n", status.rig, status.state,
              status.trigger, status.rate_hz, status.takes_folder.string(), status.seconds_left / 60.0);
@@ -136,19 +151,19 @@ void print_status(const RigStatus& status) {
     fmt::print("take {}: {} frame sets, {} complete{}\n", status.take.name, status.take.frame_sets,
                status.take.complete, status.take.closed ? "" : ", recording");
   for (const auto& warning : status.warnings) fmt::print("warning: {}\n", warning);
-  fmt::print("\n{:<8} {:<16} {:<10} {:>11} {:<10} {:>8} {:>10} {:>8}\n", "camera", "device", "state", "size", "format",
-             "frames", "incomplete", "resends");
+  fmt::print("\n{:<8} {:<16} {:<10} {:>11} {:<10} {:>6} {:>8} {:>8} {:>6} {:>6}  {}\n", "camera", "device", "state",
+             "size", "format", "Hz", "frames", "resends", "clip %", "focus", "missing");
   for (const auto& camera : status.cameras) {
-    fmt::print("{:<8} {:<16} {:<10} {:>11} {:<10} {:>8} {:>10} {:>8}\n", camera.name, camera.device, camera.state,
-               fmt::format("{}x{}", camera.width, camera.height), camera.pixel_format, camera.frames, camera.incomplete,
-               camera.resend_requests);
+    fmt::print("{:<8} {:<16} {:<10} {:>11} {:<10} {:>6.1f} {:>8} {:>8} {:>6} {:>6}  {}\n", camera.name, camera.device,
+               camera.state, fmt::format("{}x{}", camera.width, camera.height), camera.pixel_format, camera.rate_hz,
+               camera.frames, camera.resend_requests, percent(camera.clipped), percent(camera.focus),
+               causes(camera.missing));
     if (!camera.problem.empty()) fmt::print("         {}\n", camera.problem);
   }
 }
 
-int show_status(const CommandLine& line) {
-  const auto status = RigClient(daemon_socket(line.daemon)).status();
-  if (line.json)
+int tell_status(const RigStatus& status, bool as_json) {
+  if (as_json)
     fmt::print("{}\n", to_json(status).dump(2));
   else
     print_status(status);
@@ -161,10 +176,28 @@ void add_cameras(CLI::App& parent, CommandLine& line) {
   cameras->callback([&line] { line.run = [&line](std::stop_token) { return list_cameras(line.json); }; });
 }
 
+void add_live(CLI::App& parent, CommandLine& line) {
+  auto* live = parent.add_subcommand("live", "triggers the cameras and watches their pictures without recording");
+  auto off = std::make_shared<bool>(false);
+  live->add_flag("--off", *off, "no longer");
+  live->footer(
+      "Exposure and focus of every camera are then in `rotunda status`; takes can be started all the same.\n"
+      "Example:\n  rotunda rig live");
+  live->callback([&line, off] {
+    line.run = [&line, off](std::stop_token) {
+      return tell_status(RigClient(daemon_socket(line.daemon)).set_live(!*off), line.json);
+    };
+  });
+}
+
 void add_status(CLI::App& parent, CommandLine& line) {
   auto* status = parent.add_subcommand("status", "how the daemon, its cameras and the running take do");
   status->footer("Example:\n  rotunda status");
-  status->callback([&line] { line.run = [&line](std::stop_token) { return show_status(line); }; });
+  status->callback([&line] {
+    line.run = [&line](std::stop_token) {
+      return tell_status(RigClient(daemon_socket(line.daemon)).status(), line.json);
+    };
+  });
 }
 
 }  // namespace
@@ -176,6 +209,7 @@ void add_rig_commands(CommandLine& line) {
   init->add_option("-o", *file, "the file to write")->capture_default_str();
   init->footer("Example:\n  rotunda rig init -o studio.yaml");
   init->callback([&line, file] { line.run = [file](std::stop_token) { return init_rig(*file); }; });
+  add_live(*rig, line);
   for (auto* parent : {rig, &line.app}) {  // `rotunda rig status`, and short: `rotunda status`
     add_cameras(*parent, line);
     add_status(*parent, line);

@@ -93,4 +93,9 @@ void CameraFleet::set_receiver(FrameReceiver* receiver) {
   receiver_ = receiver;
 }
 
+void CameraFleet::release(const FrameReceiver* receiver) {
+  const std::lock_guard lock(receiver_mutex_);
+  if (receiver_ == receiver) receiver_ = nullptr;
+}
+
 }  // namespace rotunda::rig

@@ -33,6 +33,8 @@ class CameraFleet {
 
   // Who gets the frames from now on; null drops them. The receiver before is out of use when this returns.
   void set_receiver(FrameReceiver* receiver);
+  // No receiver any more, if it is still this one.
+  void release(const FrameReceiver* receiver);
 
  private:
   capture::TriggerMode rig_mode_;

@@ -11,7 +11,8 @@ namespace rotunda::rig {
 namespace {
 
 using namespace std::chrono_literals;
-constexpr auto kRetryAfter = 2s;    // between attempts to open a camera that does not answer
+constexpr auto kRetryAfter = 2s;  // between attempts to open a camera that does not answer
+constexpr auto kRateOver = 1s;
 constexpr auto kLookAfter = 100ms;  // a lost camera is noticed at the latest after this
 
 }  // namespace
@@ -151,6 +152,7 @@ void CameraWorker::refresh_status() {
   tried_ = true;
   status_.state = capture::to_string(state);
   status_.frames = stats.frames;
+  status_.rate_hz = measured_rate(stats.frames);
   status_.incomplete = stats.incomplete;
   status_.resend_requests = stats.resend_requests;
   status_.packet_size = static_cast<std::uint32_t>(stats.packet_size);
@@ -162,6 +164,17 @@ void CameraWorker::refresh_status() {
   status_.pixel_format = capture::to_string(description_.format);
 }
 
+// Frames a second over the last second or so.
+double CameraWorker::measured_rate(std::uint64_t frames) {
+  const auto now = std::chrono::steady_clock::now();
+  if (!frame_counts_.empty() && frames < frame_counts_.back().second) frame_counts_.clear();  // opened anew
+  frame_counts_.emplace_back(now, frames);
+  while (frame_counts_.size() > 2 && now - frame_counts_[1].first >= kRateOver) frame_counts_.pop_front();
+  const std::chrono::duration<double> span = now - frame_counts_.front().first;
+  if (span < kRateOver / 2) return 0.0;
+  return static_cast<double>(frames - frame_counts_.front().second) / span.count();
+}
+
 void CameraWorker::take_down(const std::string& problem) {
   {
     const std::lock_guard lock(mutex_);
@@ -169,6 +182,8 @@ void CameraWorker::take_down(const std::string& problem) {
     if (!problem.empty() && problem != status_.problem) spdlog::warn("{}", problem);
     status_.problem = problem;
     status_.state = problem.empty() ? "closed" : "lost";
+    status_.rate_hz = 0.0;
+    frame_counts_.clear();
   }
   try {
     source_->stop();

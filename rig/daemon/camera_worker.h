@@ -1,7 +1,9 @@
 #pragma once
 // One camera and the thread that looks after it: opens it, keeps it armed and streaming, opens it again when it is
 // lost. Nothing else calls the camera, so a camera that does not answer holds up only its own thread.
+#include <chrono>
 #include <condition_variable>
+#include <deque>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -39,6 +41,7 @@ class CameraWorker {
   void serve(std::stop_token stop);
   void refresh_status();
   void take_down(const std::string& problem);
+  double measured_rate(std::uint64_t frames);
 
   capture::SourceSettings settings_;
   capture::FrameSink sink_;
@@ -49,7 +52,8 @@ class CameraWorker {
   std::condition_variable_any wake_;
   CameraStatus status_;
   capture::SourceDescription description_;
-  std::uint64_t software_triggers_ = 0;  // asked for, not yet sent
+  std::deque<std::pair<std::chrono::steady_clock::time_point, std::uint64_t>> frame_counts_;  // of the last second
+  std::uint64_t software_triggers_ = 0;                                                       // asked for, not yet sent
   capture::TriggerMode wanted_mode_, armed_mode_;
   bool tried_ = false;
   std::jthread thread_;  // last: starts when everything else is there

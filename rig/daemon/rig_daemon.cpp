@@ -1,6 +1,7 @@
 #include "rig/daemon/rig_daemon.h"
 
 #include <fmt/format.h>
+#include <pthread.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -11,6 +12,8 @@ namespace rotunda::rig {
 namespace {
 
 using namespace std::chrono_literals;
+
+constexpr auto kLookAfter = 200ms;  // a take has ended, cameras have come back: live again at the latest after this
 
 double bytes_per_second(const RigStatus& status) {
   double bytes = 0.0;
@@ -28,12 +31,20 @@ std::uint64_t free_bytes(std::filesystem::path folder) {
 
 }  // namespace
 
-RigDaemon::RigDaemon(const config::RigConfig& rig) : rig_(rig), fleet_(rig) {}
+RigDaemon::RigDaemon(const config::RigConfig& rig)
+    : rig_(rig), fleet_(rig), live_keeper_([this](std::stop_token stop) { keep_live(std::move(stop)); }) {}
 
-RigDaemon::~RigDaemon() = default;
+RigDaemon::~RigDaemon() {
+  live_keeper_ = {};
+}
+
+bool RigDaemon::recording_locked() const {
+  return take_ && !take_->progress().closed;
+}
 
 std::string RigDaemon::state_locked() const {
-  if (take_ && !take_->progress().closed) return take_->stopping() ? "stopping" : "recording";
+  if (recording_locked()) return take_->stopping() ? "stopping" : "recording";
+  if (live_) return "live";
   return fleet_.streaming() > 0 ? "armed" : "idle";
 }
 
@@ -43,30 +54,49 @@ RigStatus RigDaemon::status() const {
   status.rate_hz = rig_.trigger.rate_hz;
   status.takes_folder = rig_.storage.takes;
   status.disk_free_bytes = free_bytes(rig_.storage.takes);
-  for (const auto& worker : fleet_.workers()) status.cameras.push_back(worker->status());
+  for (const auto& worker : fleet_.workers()) {
+    auto& camera = status.cameras.emplace_back(worker->status());
+    if (const auto health = watch_.health(camera.name)) {
+      camera.clipped = health->clipped;
+      camera.focus = health->focus;
+    }
+  }
   const double usable = static_cast<double>(status.disk_free_bytes) - rig_.storage.reserve_mb * 1e6;
   if (const double rate = bytes_per_second(status); rate > 0.0) status.seconds_left = std::max(0.0, usable / rate);
   if (take_) {
     status.take = take_->progress();
-    status.late_triggers = take_->late_triggers();
-    status.late_frames = take_->late_frames();
     status.queued_frame_sets = take_->queued();
-    status.warnings = take_->trigger_warnings();
   }
+  if (live_ || take_) add_session(status, live_ ? live_->stream() : take_->stream());
+  if (!live_problem_.empty()) status.warnings.push_back(live_problem_);
   if (rig_.trigger.mode == "action" && fleet_.trigger_mode() == capture::TriggerMode::software)
     status.warnings.push_back(
         "a camera knows no scheduled actions: all are triggered by software, one after the other");
   return status;
 }
 
+// Holes by cause: of the session that gives the cameras their triggers now, or gave them last.
+void RigDaemon::add_session(RigStatus& status, const FrameSetStream& stream) const {
+  status.late_triggers = stream.late_triggers();
+  status.late_frames = stream.late_frames();
+  status.warnings = stream.warnings();
+  const auto counts = stream.counts();
+  for (auto& camera : status.cameras)
+    for (std::size_t i = 0; i < stream.cameras().size(); ++i)
+      if (stream.cameras()[i] == camera.name)
+        for (const auto& [why, holes] : counts.cameras[i].missing_because)
+          camera.missing.emplace(capture::to_string(why), holes);
+}
+
 std::shared_ptr<TakeSession> RigDaemon::start_take(const TakeRequest& request) {
   fleet_.wait_until_tried({});  // a take asked for while the daemon starts is one with all cameras
   const std::lock_guard lock(mutex_);
-  if (take_ && !take_->progress().closed)
+  if (recording_locked())
     throw DeviceError(
         "rig", fmt::format("take {} is still recording; stop it first: rotunda take stop", take_->progress().name));
+  live_.reset();
   take_.reset();
-  take_ = std::make_shared<TakeSession>(rig_, request, fleet_);
+  take_ = std::make_shared<TakeSession>(rig_, request, fleet_, watch_);
   return take_;
 }
 
@@ -81,6 +111,34 @@ TakeProgress RigDaemon::stop_take() {
   TakeProgress progress = take->progress();
   while (!progress.closed) progress = take->wait_for_change(progress, 100ms);
   return progress;
+}
+
+void RigDaemon::set_live(bool on) {
+  const std::lock_guard lock(mutex_);
+  live_wanted_ = on;
+  if (!recording_locked()) go_live_or_not();
+  live_changed_.notify_one();
+}
+
+void RigDaemon::go_live_or_not() {
+  live_problem_.clear();
+  if (!live_wanted_) return live_.reset();
+  if (live_) return;
+  try {
+    live_ = std::make_unique<LiveSession>(rig_, fleet_, [this](capture::FrameSet&& set) { watch_.offer(set); });
+  } catch (const std::exception& error) {
+    live_problem_ = fmt::format("not live: {}", error.what());
+  }
+}
+
+// Live again after a take, or when cameras have come back.
+void RigDaemon::keep_live(std::stop_token stop) {
+  pthread_setname_np(pthread_self(), "live keeper");
+  std::unique_lock lock(mutex_);
+  while (!stop.stop_requested()) {
+    live_changed_.wait_for(lock, stop, kLookAfter, [] { return false; });
+    if (live_wanted_ && !live_ && !recording_locked() && !stop.stop_requested()) go_live_or_not();
+  }
 }
 
 }  // namespace rotunda::rig

@@ -20,7 +20,7 @@ class TakeTrigger {
 
   virtual ~TakeTrigger() = default;                         // stops
   virtual std::optional<std::uint64_t> wanted() const = 0;  // triggers; nothing: until stopped
-  // When they will come, soon from now: call when everything else is ready, then start(). Once.
+  // When they will come, soon from now: call again when everything else is ready, then start().
   virtual capture::TriggerGrid plan() = 0;
   virtual void start(GridSink grid) = 0;  // throws DeviceError
   virtual void stop() = 0;

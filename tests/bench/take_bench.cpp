@@ -57,7 +57,7 @@ std::vector<FrameSet> frame_sets() {
       for (auto& byte : bytes) byte = static_cast<std::uint8_t>((seed = seed * 1664525U + 1013904223U) >> 24U);
       set.slots.push_back({.frame = Frame{.camera = camera.name,
                                           .image = make_image(720, 576, PixelFormat::bayer_rg8, std::move(bytes))},
-                           .missing_because = ""});
+                           .missing_because = std::nullopt});
     }
   return sets;
 }

@@ -40,7 +40,7 @@ TEST_F(Recording, OfAllCamerasIsCompleteAndExactlyOnTheTriggerGrid) {
   for (std::size_t i = 0; i < 5; ++i) {
     const auto set = take.read(i);
     for (const auto& slot : set.slots) {
-      ASSERT_TRUE(slot.frame) << slot.missing_because;
+      ASSERT_TRUE(slot.frame) << to_string(*slot.missing_because);
       EXPECT_EQ(slot.frame->exposure_start, start + static_cast<int>(i) * period);
     }
   }

@@ -70,7 +70,7 @@ inline FrameSet frame_set(const std::vector<TakeCamera>& cameras, std::uint64_t 
                                         .exposure_start = set.time + 1ns * static_cast<int>(i),
                                         .exposure = 3'000'123ns,
                                         .image = noise_image(cameras[i], trigger * 100 + i)},
-                         .missing_because = ""});
+                         .missing_because = std::nullopt});
   return set;
 }
 

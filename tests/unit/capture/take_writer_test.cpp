@@ -85,9 +85,9 @@ TEST(TakeWriter, CountsHolesAndGivesThemBack) {
   const auto cameras = cameras_of(2);
   TakeWriter writer(options_for(folder, cameras));
   FrameSet first = frame_set(cameras, 10);
-  first.slots[0] = {.frame = std::nullopt, .missing_because = "late"};
+  first.slots[0] = {.frame = std::nullopt, .missing_because = HoleReason::late};
   FrameSet nothing = frame_set(cameras, 13);
-  for (auto& slot : nothing.slots) slot = {.frame = std::nullopt, .missing_because = "camera absent"};
+  for (auto& slot : nothing.slots) slot = {.frame = std::nullopt, .missing_because = HoleReason::camera_lost};
   writer.write(first);
   writer.write(frame_set(cameras, 12));  // trigger 11 never came
   writer.write(nothing);
@@ -102,7 +102,7 @@ TEST(TakeWriter, CountsHolesAndGivesThemBack) {
   expect_same(take.read(2), frame_set(cameras, 12));
   expect_same(take.read(3), nothing);
   EXPECT_FALSE(take.read(1).slots[0].frame);
-  EXPECT_EQ(take.read(1).slots[0].missing_because, "not recorded");
+  EXPECT_EQ(take.read(1).slots[0].missing_because, HoleReason::not_recorded);
   EXPECT_EQ(take.read(1).time, trigger_time(11));
   EXPECT_THROW(take.read(4), InvalidInput);
 }

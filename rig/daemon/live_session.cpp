@@ -1,0 +1,36 @@
+#include "rig/daemon/live_session.h"
+
+#include <pthread.h>
+
+namespace rotunda::rig {
+namespace {
+
+using namespace std::chrono_literals;
+
+// A live picture that is later than this is not waited for.
+constexpr auto kDeadline = 150ms;
+constexpr auto kPulse = 20ms;
+
+FrameSetStreamOptions stream_options(const config::RigConfig& rig) {
+  FrameSetStreamOptions options{.trigger = rig.trigger, .wanted = std::nullopt, .cameras = {}, .deadline = kDeadline};
+  for (const auto& camera : rig.cameras) options.cameras.push_back(camera.name);
+  return options;
+}
+
+}  // namespace
+
+LiveSession::LiveSession(const config::RigConfig& rig, CameraFleet& fleet, FrameSetStream::Sink sink)
+    : stream_(stream_options(rig), fleet) {
+  stream_.start(std::move(sink));
+  thread_ = std::jthread([this](const std::stop_token& stop) {
+    pthread_setname_np(pthread_self(), "live");
+    while (!stop.stop_requested() && stream_.advance()) std::this_thread::sleep_for(kPulse);
+  });
+}
+
+LiveSession::~LiveSession() {
+  thread_ = {};
+  stream_.stop();
+}
+
+}  // namespace rotunda::rig
