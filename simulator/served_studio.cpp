@@ -73,6 +73,12 @@ SensorOptions ServedStudio::sensor() const {
   return options;
 }
 
+ExposureSettings exposure_settings(const ImageSettings& written) {
+  ExposureSettings settings{.exposure_s = 1e-9 * written.exposure_ns, .gain_db = 0.01 * written.gain, .balance = {}};
+  for (std::size_t c = 0; c < 3; ++c) settings.balance[c] = 1e-4 * written.balance_ratio[c];
+  return settings;
+}
+
 std::vector<std::string> names_of(const std::vector<capture::CameraModel>& cameras) {
   std::vector<std::string> names;
   for (const auto& camera : cameras) names.push_back(camera.name);

@@ -6,8 +6,10 @@
 
 #include "capture/camera_model.h"
 #include "simulator/gige/camera_options.h"
+#include "simulator/gige/device_registers.h"
 #include "simulator/people/performance.h"
 #include "simulator/studio/camera_layout.h"
+#include "simulator/studio/re_exposure.h"
 #include "simulator/studio/sensor.h"
 
 namespace rotunda::simulator {
@@ -18,6 +20,9 @@ struct ServedStudio {
   PerformanceOptions performance;
   SensorOptions sensor() const;  // the devices' exposures, the performance's seed
 };
+// As registers hold them, in physical units.
+ExposureSettings exposure_settings(const ImageSettings& written);
+
 std::vector<std::string> names_of(const std::vector<capture::CameraModel>& cameras);
 
 // The cameras of a rig file where its calibration says they stand. Throws ConfigError for a bad file and InvalidInput

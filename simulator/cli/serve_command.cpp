@@ -15,6 +15,7 @@
 #include "simulator/people/act.h"
 #include "simulator/people/person.h"
 #include "simulator/studio/exposure_log.h"
+#include "simulator/studio/re_exposure.h"
 
 namespace rotunda::simulator {
 namespace {
@@ -43,6 +44,18 @@ ServedStudio studio_of(const ServeOptions& options) {
   if (options.exposure_us)
     for (auto& device : studio.devices) device.exposure_us = *options.exposure_us;
   return studio;
+}
+
+// What clients write on top of what the pictures were rendered with.
+ReExpose re_exposure_of(const ServedStudio& studio, const std::unique_ptr<ActPlayer>& player) {
+  auto cameras = std::make_shared<std::vector<ReExposure>>();
+  for (std::size_t i = 0; i < studio.devices.size(); ++i)
+    cameras->emplace_back(studio.sensor(), i, studio.devices[i].format, studio.devices[i].width);
+  return [cameras, &player](std::size_t camera, capture::Timestamp at, const ImageSettings& written,
+                            std::span<const std::uint8_t> picture) {
+    const auto frame = static_cast<std::uint64_t>(act_frame_at(at, player->frames()));
+    return (*cameras)[camera](picture, frame, exposure_settings(written));
+  };
 }
 
 void tell_ready(const ServedStudio& studio, const std::string& ready_file) {
@@ -81,9 +94,9 @@ int serve(const ServeOptions& options, const std::stop_token& stop) {
     log->add(exposure, act_frame_at(exposure.start, player->frames()));
   };
   // First of all, so that an address which is taken is told before minutes of rendering.
-  GigeStudio studio(served.devices,
-                    [&](std::size_t camera, capture::Timestamp at) { return player->picture_at(camera, at); },
-                    {.on_exposure = options.truth.empty() ? OnExposure{} : on_exposure});
+  GigeStudio studio(
+      served.devices, [&](std::size_t camera, capture::Timestamp at) { return player->picture_at(camera, at); },
+      {.on_exposure = options.truth.empty() ? OnExposure{} : on_exposure, .re_expose = re_exposure_of(served, player)});
   auto act = act_options(served, options.cache, stop);
   if (!options.truth.empty()) act.truth = options.truth;
   player = prepare_act(act);

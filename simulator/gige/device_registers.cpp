@@ -209,6 +209,12 @@ void DeviceRegisters::update_payload() {
   set(reg::kPayloadSize, static_cast<std::uint32_t>(pixels + chunks));
 }
 
+ImageSettings DeviceRegisters::image_settings() const {
+  return {get(reg::kExposureTime),
+          get(reg::kGain),
+          {get(reg::kBalanceRatio), get(reg::kBalanceRatio + 4), get(reg::kBalanceRatio + 8)}};
+}
+
 std::uint32_t DeviceRegisters::enabled_chunks() const {
   std::uint32_t enabled = 0;
   if (get(reg::kChunkModeActive) == 0) return 0;

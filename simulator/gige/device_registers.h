@@ -2,6 +2,7 @@
 // The memory of one camera as GVCP sees it: bootstrap registers (GigE Vision 2.x, chapter "Bootstrap registers"), our
 // own feature registers, and the GenICam file. 32-bit words, big-endian. It checks addresses, access and ranges; what
 // a write sets in motion is GigeDevice's part, the same for WRITEREG and WRITEMEM.
+#include <array>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -62,6 +63,14 @@ inline constexpr std::uint32_t kFireTestPacket = 1U << 31, kDoNotFragment = 1U <
 inline constexpr std::uint32_t kHeartbeatDisable = 1U << 0, kPendingAckEnable = 1U << 1, kPtpConfigured = 1U << 19;
 inline constexpr std::uint32_t kExtendedIdEnable = 1U << 30;
 
+// What a client sets that changes pixels, in the registers' units.
+struct ImageSettings {
+  std::uint32_t exposure_ns = 0;
+  std::uint32_t gain = 0;                      // 0.01 dB
+  std::array<std::uint32_t, 3> balance_ratio;  // red, green, blue, 0.0001
+  bool operator==(const ImageSettings&) const = default;
+};
+
 // Where a region may begin and how large it may be: pixels.
 struct RegionLimits {
   std::uint32_t min_width, min_height, width_step, height_step;
@@ -88,6 +97,7 @@ class DeviceRegisters {
   using Settings = std::map<std::uint32_t, std::uint32_t>;
   Settings settings() const;
   void restore(const Settings& settings);
+  ImageSettings image_settings() const;
   std::uint32_t enabled_chunks() const;  // bit n: chunk n; 0 without chunk mode
 
   std::span<const std::uint8_t> discovery() const { return std::span{bootstrap_}.first(0xF8); }

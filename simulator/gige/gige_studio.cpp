@@ -71,7 +71,9 @@ struct Camera {
   std::uint64_t missing_pictures = 0;
 };
 
-GvspFrame gvsp_frame(const DueFrame& due, std::span<const std::uint8_t> picture, const Region& sensor) {
+// `re_exposed`: the memory of `picture`, unless that is lent.
+GvspFrame gvsp_frame(const DueFrame& due, std::span<const std::uint8_t> picture, std::vector<std::uint8_t> re_exposed,
+                     const Region& sensor) {
   GvspFrame frame{.block = due.block,
                   .extended_ids = due.extended_ids,
                   .exposure_start = due.stamp,
@@ -85,7 +87,10 @@ GvspFrame gvsp_frame(const DueFrame& due, std::span<const std::uint8_t> picture,
                   .own_pixels = {},
                   .chunks = due.chunks};
   const Region region{due.width, due.height, due.offset_x, due.offset_y};
-  if (region == sensor) return frame;
+  if (region == sensor) {
+    frame.own_pixels = std::move(re_exposed);  // what `picture` shows, if there is any
+    return frame;
+  }
   frame.own_pixels = read_out(picture, sensor.width, bits_per_pixel(due.pixel_code), region);
   frame.pixels = frame.own_pixels;
   return frame;
@@ -103,7 +108,7 @@ struct Errands {
 
 struct GigeStudio::Impl {
   Impl(const std::vector<GigeCameraOptions>& options, PictureAt picture, const GigeStudioOptions& studio)
-      : picture_at(std::move(picture)), on_exposure(studio.on_exposure) {
+      : picture_at(std::move(picture)), on_exposure(studio.on_exposure), re_expose(studio.re_expose) {
     check_distinct(options);
     cameras.reserve(options.size());
     for (const auto& camera : options) {
@@ -145,6 +150,7 @@ struct GigeStudio::Impl {
 
   PictureAt picture_at;
   OnExposure on_exposure;
+  ReExpose re_expose;
   std::vector<UdpSocket> broadcasts;
   std::optional<UdpSocket> trigger_box;
   EpollHandle poll;  // events carry the camera's number; broadcasts follow the cameras, then the trigger box
@@ -285,8 +291,11 @@ void GigeStudio::Impl::send_frame(std::size_t camera, const DueFrame& frame) {
   if (frame.destination.port == 0) return;
   streams[camera].make_room();
   std::span<const std::uint8_t> pixels;
+  std::vector<std::uint8_t> re_exposed;
   try {
     pixels = picture_at(camera, frame.exposure_start);
+    if (re_expose && frame.image_settings && pixels.size() == cameras[camera].picture_bytes)
+      pixels = re_exposed = re_expose(camera, frame.exposure_start, *frame.image_settings, pixels);
   } catch (const std::exception& error) {
     if (missing_pictures[camera] == 0) spdlog::error("{}: no picture to send: {}", cameras[camera].name, error.what());
   }
@@ -294,8 +303,8 @@ void GigeStudio::Impl::send_frame(std::size_t camera, const DueFrame& frame) {
     ++missing_pictures[camera];
     return;
   }
-  streams[camera].add(gvsp_frame(frame, pixels, cameras[camera].sensor), frame.destination, frame.packet_delay,
-                      frame.due + frame.transmission_delay, frame.faults);
+  streams[camera].add(gvsp_frame(frame, pixels, std::move(re_exposed), cameras[camera].sensor), frame.destination,
+                      frame.packet_delay, frame.due + frame.transmission_delay, frame.faults);
   if (on_exposure)
     on_exposure({.camera = camera, .block = frame.block, .start = frame.exposure_start, .duration = frame.exposure});
 }

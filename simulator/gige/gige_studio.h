@@ -10,6 +10,7 @@
 
 #include "capture/frame.h"
 #include "simulator/gige/camera_options.h"
+#include "simulator/gige/device_registers.h"
 #include "simulator/gige/fault_schedule.h"
 
 namespace rotunda::simulator {
@@ -20,6 +21,12 @@ namespace rotunda::simulator {
 // without a copy and kept for resending), or until the studio has stopped.
 // The camera counts as giving no picture if the span has another size or the call throws: the frame is skipped.
 using PictureAt = std::function<std::span<const std::uint8_t>(std::size_t camera, capture::Timestamp exposure_start)>;
+
+// Makes of such a picture, of an exposure that starts then, what the camera gives with the settings a client has
+// written; the same size. Called only while these are not the ones the camera was made with.
+using ReExpose =
+    std::function<std::vector<std::uint8_t>(std::size_t camera, capture::Timestamp exposure_start,
+                                            const ImageSettings& settings, std::span<const std::uint8_t> picture)>;
 
 // One exposure as it truly was, whatever the camera's clock says and whatever becomes of its packets.
 struct Exposure {
@@ -48,6 +55,7 @@ struct GigeStats {
 struct GigeStudioOptions {
   double link_bits_per_second = 1e9;  // of each camera, paces its packets; 0: each frame leaves in one burst
   OnExposure on_exposure;
+  ReExpose re_expose;                             // nothing: pictures are as PictureAt gives them, whatever is written
   std::optional<std::uint16_t> trigger_box_port;  // listens there for trigger_box.h's edges of Line0; 0: any port
 };
 

@@ -320,8 +320,10 @@ DueFrame SimulatedCamera::frame_of(const StartedExposure& exposure, const Acquis
                  .packet_delay = nanoseconds{registers_.get(reg::kPacketDelay)},
                  .transmission_delay = nanoseconds{registers_.get(reg::kTransmissionDelay)},
                  .chunks = {},
+                 .image_settings = {},
                  .faults = wrong};
   frame.chunks = chunks_of(frame);
+  if (const auto now = registers_.image_settings(); now != factory_.image_settings()) frame.image_settings = now;
   return frame;
 }
 

@@ -40,8 +40,9 @@ struct DueFrame {
   Endpoint destination;                    // port 0: nobody asked for the stream
   std::uint32_t packet_size = 0, pixel_code = 0, width = 0, height = 0, offset_x = 0, offset_y = 0;
   std::chrono::nanoseconds packet_delay{}, transmission_delay{};
-  std::vector<std::uint8_t> chunks;  // to follow the pixels
-  GigeFaults faults;                 // in force when its exposure started
+  std::vector<std::uint8_t> chunks;             // to follow the pixels
+  std::optional<ImageSettings> image_settings;  // nothing: as the camera was made
+  GigeFaults faults;                            // in force when its exposure started
 };
 
 struct TestPacket {

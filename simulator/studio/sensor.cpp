@@ -3,66 +3,14 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <numbers>
 #include <random>
 
 #include "simulator/people/solid_noise.h"
+#include "simulator/studio/sensor_response.h"
 
 namespace rotunda::simulator {
 namespace {
-
-constexpr int kFullScale = 4095;
-constexpr std::uint32_t kNormals = 1U << 14;
-const cv::Vec3d kResponse(0.62, 1.0, 0.74);  // of the filters under studio light, beside green's
-
-double srgb_encode(double linear) {
-  return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1.0 / 2.4) - 0.055;
-}
-
-std::vector<std::uint16_t> curve_with(double balance) {
-  std::vector<std::uint16_t> table(kFullScale + 1);
-  for (int code = 0; code <= kFullScale; ++code)
-    table[static_cast<std::size_t>(code)] =
-        static_cast<std::uint16_t>(kFullScale * srgb_encode(std::min(1.0, balance * code / kFullScale)) + 0.5);
-  return table;
-}
-
-// Normally distributed numbers by Box and Muller (1958): equal on every machine, unlike the library's. Scaled to
-// variance 1.
-const std::vector<float>& normals() {
-  static const auto table = [] {
-    std::vector<float> values(kNormals);
-    std::mt19937 random(20221);
-    const auto uniform = [&] { return (static_cast<double>(random()) + 0.5) * 0x1p-32; };
-    double squares = 0.0;
-    for (std::size_t i = 0; i + 1 < values.size(); i += 2) {
-      const double r = std::sqrt(-2.0 * std::log(uniform())), angle = 2.0 * std::numbers::pi * uniform();
-      values[i] = static_cast<float>(r * std::cos(angle));
-      values[i + 1] = static_cast<float>(r * std::sin(angle));
-      squares += r * r;
-    }
-    for (float& value : values) value *= static_cast<float>(std::sqrt(kNormals / squares));
-    return values;
-  }();
-  return table;
-}
-
-// Marsaglia's xorshift (2003); state never zero.
-struct Xorshift {
-  std::uint32_t state;
-  std::uint32_t next() {
-    state ^= state << 13;
-    state ^= state >> 17;
-    return state ^= state << 5;
-  }
-};
-
-// Uniform from -1 to 1: how a camera differs from the others in one property.
-double deviation(std::size_t camera, std::int64_t property, std::uint32_t seed) {
-  return 2.0 * hashed_unit(static_cast<std::int64_t>(camera), property, 0, seed) - 1.0;
-}
 
 // cos^4 of the angle to the axis, scaled so that the corner loses `loss`; times each pixel's own sensitivity.
 cv::Mat flat_field(cv::Size size, double loss, double pixel_spread, std::uint32_t seed) {
@@ -72,10 +20,10 @@ cv::Mat flat_field(cv::Size size, double loss, double pixel_spread, std::uint32_
   const auto& normal = normals();
   cv::Mat flat(size, CV_32FC1);
   tbb::parallel_for(0, size.height, [&](int y) {
-    Xorshift random{static_cast<std::uint32_t>(hashed_unit(y, 1, 0, seed) * 4294967295.0) | 1U};
+    RowNoise random(hashed_unit(y, 1, 0, seed));
     for (int x = 0; x < size.width; ++x) {
       const double r2 = (x - middle_x) * (x - middle_x) + (y - middle_y) * (y - middle_y);
-      const double spread = 1.0 + pixel_spread * static_cast<double>(normal[random.next() >> 18]);
+      const double spread = 1.0 + pixel_spread * static_cast<double>(normal[random.next_index()]);
       flat.at<float>(y, x) = static_cast<float>(spread / ((1.0 + scale * r2) * (1.0 + scale * r2)));
     }
   });
@@ -92,17 +40,12 @@ Sensor::Sensor(cv::Size size, std::size_t camera, const SensorOptions& options)
     : camera_(camera),
       settings_(settings_of(options, camera)),
       seed_(options.seed),
-      read_noise_(static_cast<float>(options.read_noise)),
-      codes_per_electron_(
-          static_cast<float>(kFullScale / options.full_well * std::pow(10.0, settings_.gain_db / 20.0))) {
+      response_(
+          sensor_response(options, camera, settings_.gain_db, {settings_.red_balance, 1.0, settings_.blue_balance})) {
   const double exposed = options.full_well * settings_.exposure_s / kReferenceExposure *
                          (1.0 + options.gain_spread * deviation(camera, 1, seed_));
-  const cv::Vec3d asked(settings_.red_balance, 1.0, settings_.blue_balance);
-  for (int c = 0; c < 3; ++c) {
-    electrons_[c] = static_cast<float>(exposed * kResponse[c]);
-    const double residue = c == 1 ? 0.0 : options.balance_spread * deviation(camera, c == 0 ? 2 : 3, seed_);
-    curve_[c] = curve_with(asked[c] * (1.0 + residue) / kResponse[c]);
-  }
+  for (int c = 0; c < 3; ++c)
+    electrons_[c] = static_cast<float>(exposed * kFilterResponse[static_cast<std::size_t>(c)]);
   const auto camera_seed = static_cast<std::uint32_t>(seed_ + 7919 * (camera + 1));
   const double loss = options.vignetting * (1.0 + deviation(camera, 4, seed_) / 3.0);
   flat_ = flat_field(size, std::clamp(loss, 0.0, 0.9), options.pixel_spread, camera_seed);
@@ -125,7 +68,7 @@ void Sensor::draw_hot_pixels(const SensorOptions& options) {
 cv::Mat Sensor::expose(const cv::Mat& linear, std::uint64_t frame) const {
   const auto& normal = normals();
   cv::Mat picture(linear.size(), CV_16UC3);
-  const float read2 = read_noise_ * read_noise_;
+  const float read2 = response_.read_noise * response_.read_noise;
   tbb::parallel_for(tbb::blocked_range<int>(0, linear.rows, 16), [&](const tbb::blocked_range<int>& rows) {
     std::vector<cv::Vec3f> electrons(static_cast<std::size_t>(linear.cols));
     for (int y = rows.begin(); y < rows.end(); ++y) {
@@ -137,16 +80,16 @@ cv::Mat Sensor::expose(const cv::Mat& linear, std::uint64_t frame) const {
                std::lower_bound(hot_.begin(), hot_.end(), y, [](const HotPixel&h, int row) { return h.y < row; });
            hot != hot_.end() && hot->y == y; ++hot)
         electrons[static_cast<std::size_t>(hot->x)] += cv::Vec3f::all(hot->electrons);
-      const double draw =
-          hashed_unit(static_cast<std::int64_t>(camera_), static_cast<std::int64_t>(frame), y, seed_ + 9);
-      Xorshift random{static_cast<std::uint32_t>(draw * 4294967295.0) | 1U};
+      RowNoise random(camera_, frame, y, seed_);
       auto* out = picture.ptr<cv::Vec3w>(y);
       for (int x = 0; x < linear.cols; ++x)
         for (int c = 0; c < 3; ++c) {
           const float mean = electrons[static_cast<std::size_t>(x)][c];
-          const float code = codes_per_electron_ * (mean + std::sqrt(mean + read2) * normal[random.next() >> 18]);
+          const float code =
+              response_.codes_per_electron * (mean + std::sqrt(mean + read2) * normal[random.next_index()]);
           out[x][c] =
-              curve_[c][static_cast<std::size_t>(std::clamp(code + 0.5F, 0.0F, static_cast<float>(kFullScale)))];
+              response_.curve[static_cast<std::size_t>(c)]
+                             [static_cast<std::size_t>(std::clamp(code + 0.5F, 0.0F, static_cast<float>(kFullScale)))];
         }
     }
   });

@@ -4,6 +4,7 @@
 // gamma. Every channel of a pixel is a photosite with noise of its own, so picking one a pixel (pixel_encoding.h) gives
 // what a mosaic sensor gives. All formats carry the sRGB curve, as cameras do whose Gamma feature is on: the key and
 // the colours of a take want it.
+#include <array>
 #include <cstdint>
 #include <opencv2/core.hpp>
 #include <string>
@@ -34,6 +35,14 @@ struct SensorOptions {
 
 CameraSettings settings_of(const SensorOptions& options, std::size_t camera);
 
+// How a camera turns electrons into codes.
+struct SensorResponse {
+  float read_noise = 0.0F;          // electrons
+  float codes_per_electron = 0.0F;  // of the converter, by gain
+  std::array<std::vector<std::uint16_t>, 3>
+      curve;  // red, green, blue: code to balanced code on the sRGB curve, 12 bits
+};
+
 // Light of 1 fills the green pixels of a camera that exposes so long at 0 dB.
 inline constexpr double kReferenceExposure = 0.005;  // seconds
 
@@ -55,11 +64,10 @@ class Sensor {
   std::size_t camera_;
   CameraSettings settings_;
   std::uint32_t seed_;
-  float read_noise_, codes_per_electron_;
-  cv::Vec3f electrons_;                  // of light 1 in the middle of the picture
-  cv::Mat flat_;                         // CV_32FC1: vignetting times pixel sensitivity
-  std::vector<HotPixel> hot_;            // by row
-  std::vector<std::uint16_t> curve_[3];  // code to the balanced code on the sRGB curve, of each channel
+  SensorResponse response_;
+  cv::Vec3f electrons_;        // of light 1 in the middle of the picture
+  cv::Mat flat_;               // CV_32FC1: vignetting times pixel sensitivity
+  std::vector<HotPixel> hot_;  // by row
 };
 
 // The upper eight bits, rounded: CV_8UC3 sRGB.
