@@ -73,6 +73,11 @@ SensorOptions ServedStudio::sensor() const {
   return options;
 }
 
+void use_realistic_clocks(ServedStudio& studio, std::uint64_t seed) {
+  std::uint64_t camera = 0;
+  for (auto& device : studio.devices) device.clock = realistic_clock(1000 * seed + camera++);
+}
+
 ExposureSettings exposure_settings(const ImageSettings& written) {
   ExposureSettings settings{.exposure_s = 1e-9 * written.exposure_ns, .gain_db = 0.01 * written.gain, .balance = {}};
   for (std::size_t c = 0; c < 3; ++c) settings.balance[c] = 1e-4 * written.balance_ratio[c];

@@ -20,6 +20,9 @@ struct ServedStudio {
   PerformanceOptions performance;
   SensorOptions sensor() const;  // the devices' exposures, the performance's seed
 };
+// Each camera gets a clock that errs like a real one's.
+void use_realistic_clocks(ServedStudio& studio, std::uint64_t seed);
+
 // As registers hold them, in physical units.
 ExposureSettings exposure_settings(const ImageSettings& written);
 

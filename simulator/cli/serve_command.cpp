@@ -27,7 +27,9 @@ struct ServeOptions {
   FaultControlOptions faults;
   std::optional<double> exposure_us;
   LayoutArguments layout;
-  std::string rig, truth, ready_file, pixel_format = "BayerRG8";
+  std::optional<std::uint64_t> clock_seed;
+  std::optional<std::uint16_t> trigger_box_port;
+  std::string rig, truth, ready_file, clocks = "ideal", pixel_format = "BayerRG8";
   bool list = false;
 };
 
@@ -43,6 +45,7 @@ ServedStudio studio_of(const ServeOptions& options) {
   apply(options.performance, studio.performance);
   if (options.exposure_us)
     for (auto& device : studio.devices) device.exposure_us = *options.exposure_us;
+  if (options.clocks == "realistic") use_realistic_clocks(studio, options.clock_seed.value_or(studio.performance.seed));
   return studio;
 }
 
@@ -94,9 +97,11 @@ int serve(const ServeOptions& options, const std::stop_token& stop) {
     log->add(exposure, act_frame_at(exposure.start, player->frames()));
   };
   // First of all, so that an address which is taken is told before minutes of rendering.
-  GigeStudio studio(
-      served.devices, [&](std::size_t camera, capture::Timestamp at) { return player->picture_at(camera, at); },
-      {.on_exposure = options.truth.empty() ? OnExposure{} : on_exposure, .re_expose = re_exposure_of(served, player)});
+  GigeStudio studio(served.devices,
+                    [&](std::size_t camera, capture::Timestamp at) { return player->picture_at(camera, at); },
+                    {.on_exposure = options.truth.empty() ? OnExposure{} : on_exposure,
+                     .re_expose = re_exposure_of(served, player),
+                     .trigger_box_port = options.trigger_box_port});
   auto act = act_options(served, options.cache, stop);
   if (!options.truth.empty()) act.truth = options.truth;
   player = prepare_act(act);
@@ -104,6 +109,8 @@ int serve(const ServeOptions& options, const std::stop_token& stop) {
   if (act.truth) log.emplace(*act.truth / "exposures.jsonl", names);
   studio.start();
   faults.start(studio);
+  if (options.trigger_box_port)
+    spdlog::info("listening for the trigger box's edges of Line0 on 127.0.0.1:{}", studio.trigger_box_port());
   tell_ready(served, options.ready_file);
   wait_for(stop);
   faults.stop();
@@ -136,6 +143,14 @@ void add_serve_command(CommandLine& line) {
   line.app
       .add_option("--exposure", options->exposure_us, "microseconds, of all cameras (as the rig file has it, or 5000)")
       ->check(CLI::PositiveNumber);
+  auto* clocks = line.app
+                     .add_option("--clocks", options->clocks,
+                                 "ideal: without error; realistic: crystals that drift, PTP that wanders (ideal)")
+                     ->check(CLI::IsMember({"ideal", "realistic"}));
+  line.app.add_option("--clock-seed", options->clock_seed, "of the realistic clocks' errors (as --seed)")
+      ->needs(clocks);
+  line.app.add_option("--trigger-box-port", options->trigger_box_port,
+                      "UDP port of 127.0.0.1 for edges of Line0; 0: any (not listened for)");
   line.app.add_option("--truth", options->truth, "write what is true of each act frame and exposure into this folder");
   line.app.add_option("--ready-file", options->ready_file, "write this file once the cameras answer; gone at the end");
   add_fault_options(line.app, options->faults);
