@@ -98,6 +98,14 @@ TakeProgress RigClient::stop_take() {
   return from_message(closed);
 }
 
+TakeProgress RigClient::annotate_take(const TakeAnnotation& annotation) {
+  grpc::ClientContext context;
+  set_deadline(context, kAnswerTime);
+  v1::TakeProgress progress;
+  connection_->check(connection_->stub->AnnotateTake(&context, to_message(annotation), &progress));
+  return from_message(progress);
+}
+
 RigStatus RigClient::set_live(bool on) {
   grpc::ClientContext context;
   set_deadline(context, kAnswerTime);

@@ -20,6 +20,8 @@ struct TakeProgress {
   std::uint64_t wanted = 0;      // 0: until stopped
   bool closed = false;
   std::string failure;  // why recording ended early
+  std::string slate;    // "12 B 3"
+  std::uint64_t marks = 0;
   std::vector<std::string> warnings;
 };
 
@@ -31,6 +33,7 @@ struct CameraStatus {
   std::map<std::string, std::uint64_t> missing;  // holes of the running take (or live, or the last take) by cause
   std::optional<double> clipped;                 // share of pixels at their end, 0 .. 1; nothing: no pictures come
   std::optional<double> focus;                   // 0 .. 1: how much of the finest detail is there
+  std::optional<double> offset_us, drift_ppm;    // of exposure starts from their triggers; nothing: no pictures come
 };
 
 struct RigStatus {
@@ -42,6 +45,7 @@ struct RigStatus {
   TakeProgress take;
   std::vector<CameraStatus> cameras;
   std::uint64_t late_triggers = 0, late_frames = 0, queued_frame_sets = 0;
+  double spread_median_us = 0.0, spread_p99_us = 0.0;  // of the exposure starts of a set; 0: not measured
   std::vector<std::string> warnings;
 };
 
@@ -50,6 +54,14 @@ struct TakeRequest {
   std::uint64_t frame_sets = 0;
   double duration_s = 0.0;  // used when frame_sets is 0; both 0: until stopped
   std::string note;
+  std::string scene, shot;  // the take number is counted up for each; it names the take if nothing else does
+};
+
+// What is said of the running take, or of the last one. Nothing: as it was.
+struct TakeAnnotation {
+  std::string mark;  // at the frame set of now; only while it records
+  std::optional<std::string> note;
+  std::optional<bool> circled;
 };
 
 // Where the daemon listens: `given`, else ROTUNDA_SOCKET, else $XDG_RUNTIME_DIR/rotunda.sock, else /run/rotunda.sock.
@@ -69,6 +81,7 @@ class RigClient {
   TakeProgress start_take(const TakeRequest& request, const std::function<bool(const TakeProgress&)>& on_progress,
                           std::stop_token stop);
   TakeProgress stop_take();
+  TakeProgress annotate_take(const TakeAnnotation& annotation);
   // Has the cameras triggered and their pictures watched without a take, or no longer.
   RigStatus set_live(bool on);
 

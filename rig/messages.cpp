@@ -21,7 +21,9 @@ CameraStatus from_message(const v1::CameraStatus& m) {
           .rate_hz = m.rate_hz(),
           .missing = {m.missing().begin(), m.missing().end()},
           .clipped = m.has_clipped() ? std::optional(m.clipped()) : std::nullopt,
-          .focus = m.has_focus() ? std::optional(m.focus()) : std::nullopt};
+          .focus = m.has_focus() ? std::optional(m.focus()) : std::nullopt,
+          .offset_us = m.has_offset_us() ? std::optional(m.offset_us()) : std::nullopt,
+          .drift_ppm = m.has_drift_ppm() ? std::optional(m.drift_ppm()) : std::nullopt};
 }
 
 void fill(const CameraStatus& camera, v1::CameraStatus& m) {
@@ -43,6 +45,8 @@ void fill(const CameraStatus& camera, v1::CameraStatus& m) {
   m.mutable_missing()->insert(camera.missing.begin(), camera.missing.end());
   if (camera.clipped) m.set_clipped(*camera.clipped);
   if (camera.focus) m.set_focus(*camera.focus);
+  if (camera.offset_us) m.set_offset_us(*camera.offset_us);
+  if (camera.drift_ppm) m.set_drift_ppm(*camera.drift_ppm);
 }
 
 }  // namespace
@@ -55,6 +59,8 @@ TakeProgress from_message(const v1::TakeProgress& m) {
           .wanted = m.wanted(),
           .closed = m.closed(),
           .failure = m.failure(),
+          .slate = m.slate(),
+          .marks = m.marks(),
           .warnings = {m.warnings().begin(), m.warnings().end()}};
 }
 
@@ -67,6 +73,8 @@ v1::TakeProgress to_message(const TakeProgress& progress) {
   m.set_wanted(progress.wanted);
   m.set_closed(progress.closed);
   m.set_failure(progress.failure);
+  m.set_slate(progress.slate);
+  m.set_marks(progress.marks);
   m.mutable_warnings()->Assign(progress.warnings.begin(), progress.warnings.end());
   return m;
 }
@@ -81,6 +89,8 @@ RigStatus from_message(const v1::Status& m) {
   status.late_triggers = m.late_triggers();
   status.late_frames = m.late_frames();
   status.queued_frame_sets = m.queued_frame_sets();
+  status.spread_median_us = m.spread_median_us();
+  status.spread_p99_us = m.spread_p99_us();
   status.warnings.assign(m.warnings().begin(), m.warnings().end());
   return status;
 }
@@ -99,13 +109,34 @@ v1::Status to_message(const RigStatus& status) {
   m.set_late_triggers(status.late_triggers);
   m.set_late_frames(status.late_frames);
   m.set_queued_frame_sets(status.queued_frame_sets);
+  m.set_spread_median_us(status.spread_median_us);
+  m.set_spread_p99_us(status.spread_p99_us);
   m.mutable_warnings()->Assign(status.warnings.begin(), status.warnings.end());
   m.set_protocol(1);
   return m;
 }
 
 TakeRequest from_message(const v1::StartTakeRequest& m) {
-  return {.name = m.name(), .frame_sets = m.frame_sets(), .duration_s = m.duration_s(), .note = m.note()};
+  return {.name = m.name(),
+          .frame_sets = m.frame_sets(),
+          .duration_s = m.duration_s(),
+          .note = m.note(),
+          .scene = m.scene(),
+          .shot = m.shot()};
+}
+
+TakeAnnotation from_message(const v1::AnnotateTakeRequest& m) {
+  return {.mark = m.mark(),
+          .note = m.has_note() ? std::optional(m.note()) : std::nullopt,
+          .circled = m.has_circled() ? std::optional(m.circled()) : std::nullopt};
+}
+
+v1::AnnotateTakeRequest to_message(const TakeAnnotation& annotation) {
+  v1::AnnotateTakeRequest m;
+  m.set_mark(annotation.mark);
+  if (annotation.note) m.set_note(*annotation.note);
+  if (annotation.circled) m.set_circled(*annotation.circled);
+  return m;
 }
 
 v1::StartTakeRequest to_message(const TakeRequest& request) {
@@ -114,6 +145,8 @@ v1::StartTakeRequest to_message(const TakeRequest& request) {
   m.set_frame_sets(request.frame_sets);
   m.set_duration_s(request.duration_s);
   m.set_note(request.note);
+  m.set_scene(request.scene);
+  m.set_shot(request.shot);
   return m;
 }
 

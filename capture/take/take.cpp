@@ -78,6 +78,10 @@ TakeCamera read_camera(const Fields& fields) {
   camera.height = fields.get<int>("height", "pixels");
   camera.frames = fields.get_or<std::size_t>("frames", "a count", 0);
   camera.missing = fields.get_or<std::size_t>("missing", "a count", 0);
+  for (const auto reason : hole_reasons()) {
+    const auto count = fields.get_or<std::size_t>(std::string(to_string(reason)).c_str(), "a count", 0);
+    if (count > 0) camera.missing_because[reason] = count;
+  }
   const auto name = fields.get<std::string>("format", "a GenICam pixel format such as BayerRG8");
   const auto format = pixel_format_from(name);
   fields.demand(format.has_value(), "format", fmt::format("'{}' is not a pixel format this version knows", name));
@@ -113,6 +117,31 @@ std::vector<TakeCamera> read_cameras(const YAML::Node& list, std::vector<ConfigP
   return cameras;
 }
 
+std::chrono::nanoseconds microseconds(const Fields& fields, const char* key) {
+  const auto us = fields.get_or<double>(key, "microseconds", 0.0);
+  fields.demand(std::abs(us) < 1e12, key, "expected microseconds");
+  return std::chrono::nanoseconds(std::llround(std::abs(us) < 1e12 ? us * 1e3 : 0.0));
+}
+
+SyncSummary read_sync(const YAML::Node& map, std::size_t cameras, std::vector<ConfigProblem>& problems) {
+  SyncSummary sync;
+  if (!map.IsMap()) return sync;
+  const Fields fields(map, "sync.", problems);
+  sync.sets = fields.get_or<std::uint64_t>("sets", "a count", 0);
+  sync.spread_median = microseconds(fields, "spread_median_us");
+  sync.spread_p99 = microseconds(fields, "spread_p99_us");
+  sync.spread_max = microseconds(fields, "spread_max_us");
+  const YAML::Node list = map["cameras"];
+  for (std::size_t i = 0; list && list.IsSequence() && i < std::min(list.size(), cameras); ++i) {
+    const Fields camera(list[i], fmt::format("sync.cameras[{}].", i), problems);
+    if (!list[i].IsMap()) break;
+    sync.cameras.push_back({.offset = microseconds(camera, "offset_us"),
+                            .jitter = microseconds(camera, "jitter_us"),
+                            .drift_ppm = camera.get_or<double>("drift_ppm", "a number", 0.0)});
+  }
+  return sync;
+}
+
 TakeInfo read_info(const YAML::Node& root, std::vector<ConfigProblem>& problems) {
   const Fields fields(root, "", problems);
   TakeInfo info;
@@ -126,12 +155,17 @@ TakeInfo read_info(const YAML::Node& root, std::vector<ConfigProblem>& problems)
   info.start = Timestamp(std::chrono::nanoseconds(fields.get<std::int64_t>("start_tai_ns", "nanoseconds")));
   info.recorded = fields.get_or<std::string>("recorded", "a date", "");
   info.slate = fields.get_or<std::string>("slate", "text", "");
+  info.scene = fields.get_or<std::string>("scene", "text", "");
+  info.shot = fields.get_or<std::string>("shot", "text", "");
+  info.take_number = fields.get_or<int>("take", "a number", 0);
+  info.circled = fields.get_or<bool>("circled", "true or false", false);
   info.note = fields.get_or<std::string>("note", "text", "");
   info.rig = fields.get_or<std::string>("rig", "the rig's name", "");
   info.first_trigger = fields.get_or<std::uint64_t>("first_trigger", "a trigger number", 0);
   info.frame_sets = fields.get_or<std::size_t>("frame_sets", "a count", 0);
   info.complete_sets = fields.get_or<std::size_t>("complete_sets", "a count", 0);
   info.cameras = read_cameras(root["cameras"], problems);
+  if (root["sync"]) info.sync = read_sync(root["sync"], info.cameras.size(), problems);
   return info;
 }
 
@@ -148,7 +182,29 @@ void emit_camera(YAML::Emitter& out, const TakeCamera& camera) {
   out << YAML::Key << "format" << YAML::Value << std::string(to_string(camera.format));
   out << YAML::Key << "frames" << YAML::Value << camera.frames;
   out << YAML::Key << "missing" << YAML::Value << camera.missing;
+  for (const auto& [reason, count] : camera.missing_because)
+    out << YAML::Key << std::string(to_string(reason)) << YAML::Value << count;
   out << YAML::EndMap;
+}
+
+double in_microseconds(std::chrono::nanoseconds time) {
+  return static_cast<double>(time.count()) * 1e-3;
+}
+
+void emit_sync(YAML::Emitter& out, const SyncSummary& sync) {
+  out << YAML::Key << "sync" << YAML::Value << YAML::BeginMap;
+  out << YAML::Key << "sets" << YAML::Value << sync.sets;
+  out << YAML::Key << "spread_median_us" << YAML::Value << in_microseconds(sync.spread_median);
+  out << YAML::Key << "spread_p99_us" << YAML::Value << in_microseconds(sync.spread_p99);
+  out << YAML::Key << "spread_max_us" << YAML::Value << in_microseconds(sync.spread_max);
+  out << YAML::Key << "cameras" << YAML::Value << YAML::BeginSeq;
+  for (const auto& camera : sync.cameras) {
+    out << YAML::Flow << YAML::BeginMap;
+    out << YAML::Key << "offset_us" << YAML::Value << in_microseconds(camera.offset);
+    out << YAML::Key << "jitter_us" << YAML::Value << in_microseconds(camera.jitter);
+    out << YAML::Key << "drift_ppm" << YAML::Value << camera.drift_ppm << YAML::EndMap;
+  }
+  out << YAML::EndSeq << YAML::EndMap;
 }
 
 std::string to_yaml(const TakeInfo& info) {
@@ -156,6 +212,12 @@ std::string to_yaml(const TakeInfo& info) {
   out << YAML::BeginMap;
   out << YAML::Key << "version" << YAML::Value << kFormatVersion;
   out << YAML::Key << "slate" << YAML::Value << info.slate;
+  if (info.take_number > 0) {
+    out << YAML::Key << "scene" << YAML::Value << info.scene;
+    out << YAML::Key << "shot" << YAML::Value << info.shot;
+    out << YAML::Key << "take" << YAML::Value << info.take_number;
+  }
+  if (info.circled) out << YAML::Key << "circled" << YAML::Value << true;
   out << YAML::Key << "note" << YAML::Value << info.note;
   out << YAML::Key << "rig" << YAML::Value << info.rig;
   out << YAML::Key << "state" << YAML::Value << std::string(to_string(info.state));
@@ -167,7 +229,9 @@ std::string to_yaml(const TakeInfo& info) {
   out << YAML::Key << "complete_sets" << YAML::Value << info.complete_sets;
   out << YAML::Key << "cameras" << YAML::Value << YAML::BeginSeq;
   for (const auto& camera : info.cameras) emit_camera(out, camera);
-  out << YAML::EndSeq << YAML::EndMap;
+  out << YAML::EndSeq;
+  if (info.sync.sets > 0) emit_sync(out, info.sync);
+  out << YAML::EndMap;
   return std::string(out.c_str()) + '\n';
 }
 
@@ -244,6 +308,18 @@ std::vector<TakeInfo> list_takes(const fs::path& root, std::vector<std::string>*
   }
   std::sort(takes.begin(), takes.end(), [](const auto& a, const auto& b) { return a.name < b.name; });
   return takes;
+}
+
+int next_take_number(const fs::path& root, std::string_view scene, std::string_view shot) {
+  int last = 0;
+  for (const auto& take : list_takes(root))
+    if (take.scene == scene && take.shot == shot) last = std::max(last, take.take_number);
+  return last + 1;
+}
+
+std::string slate_text(std::string_view scene, std::string_view shot, int take_number) {
+  if (take_number <= 0) return "";
+  return fmt::format("{}{}{} {}", scene, scene.empty() || shot.empty() ? "" : " ", shot, take_number);
 }
 
 fs::path resolve_take(const std::string& name_or_path, const fs::path& root) {

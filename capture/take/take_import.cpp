@@ -14,10 +14,9 @@
 
 #include "capture/calibration_file.h"
 #include "capture/picture.h"
-#include "capture/take/atomic_file.h"
 #include "capture/take/camera_file_writer.h"
 #include "capture/take/picture_folders.h"
-#include "capture/take/take_lock.h"
+#include "capture/take/workplace.h"
 #include "config/errors.h"
 
 namespace rotunda::capture {
@@ -36,34 +35,6 @@ void refuse_if_any(const Problems& problems, const std::string& take) {
   if (problems.size() > kMostTold) text += fmt::format("\n  and {} more", problems.size() - kMostTold);
   throw InvalidInput(text);
 }
-
-// A hidden folder beside the take's place, gone unless kept.
-class Workplace {
- public:
-  explicit Workplace(fs::path folder) : folder_(std::move(folder)) {
-    fs::create_directories(folder_);
-    lock_ = std::make_unique<TakeLock>(folder_);
-    for (const auto& left_over : fs::directory_iterator(folder_)) fs::remove_all(left_over.path());
-  }
-  ~Workplace() {
-    if (!lock_) return;
-    std::error_code best_effort;
-    fs::remove_all(folder_, best_effort);
-  }
-  Workplace(const Workplace&) = delete;
-  Workplace& operator=(const Workplace&) = delete;
-  const fs::path& folder() const { return folder_; }
-  void keep_as(const fs::path& take) {
-    sync_filesystem(folder_);
-    fs::rename(folder_, take);
-    lock_.reset();
-    sync_folder(take.parent_path());
-  }
-
- private:
-  fs::path folder_;
-  std::unique_ptr<TakeLock> lock_;
-};
 
 // What belongs to one camera.
 struct CameraSource {
@@ -221,7 +192,7 @@ TakeInfo import_take(const TakeImportOptions& options, const Progress& progress,
   refuse_if_any(import.problems(), options.name);
   fs::copy_file(options.calibration, calibration_file(workplace.folder()));
   write_take_info(workplace.folder(), info);
-  workplace.keep_as(options.takes / options.name);
+  workplace.keep_as(workplace.folder(), options.takes / options.name);
   return info;
 }
 

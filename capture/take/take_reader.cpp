@@ -38,7 +38,11 @@ std::vector<StoredFrame> with_records(std::vector<StoredFrame> frames) {
 
 }  // namespace
 
-TakeReader::TakeReader(const fs::path& folder) : folder_(folder), info_(read_take_info(folder)) {
+TakeReader::TakeReader(const fs::path& folder)
+    : folder_(folder),
+      info_(read_take_info(folder)),
+      journal_(read_take_journal(folder)),
+      problems_(journal_.problems) {
   files_.reserve(info_.cameras.size());
   for (const auto& camera : info_.cameras) {
     files_.emplace_back(camera_file(folder, camera.name), camera);
@@ -77,6 +81,7 @@ void TakeReader::count() {
     info_.first_trigger = any ? first : 0;
     info_.frame_sets = any ? last - first + 1 : 0;
     info_.start = first_time;
+    count_reasons();
   }
   if (info_.frame_sets > kMostFrameSets)
     throw CorruptData(fmt::format("{}: triggers {} to {} cannot be one take", folder_.string(), first, last));
@@ -98,6 +103,16 @@ void TakeReader::count() {
       }));
 }
 
+void TakeReader::count_reasons() {
+  for (auto& camera : info_.cameras) {
+    camera.missing_because.clear();
+    for (const auto& [trigger, missing] : journal_.missing)
+      if (const auto why = missing.find(camera.name);
+          why != missing.end() && trigger - info_.first_trigger < info_.frame_sets)
+        ++camera.missing_because[why->second];
+  }
+}
+
 const StoredFrame* TakeReader::find(std::size_t index, std::size_t camera) const {
   const auto& frames = placed_.at(camera);
   const std::uint64_t trigger = info_.first_trigger + index;
@@ -107,12 +122,19 @@ const StoredFrame* TakeReader::find(std::size_t index, std::size_t camera) const
   return place != frames.end() && trigger_of(*place) == trigger ? &*place : nullptr;
 }
 
+HoleReason TakeReader::why_missing(std::size_t index, std::size_t camera) const {
+  const auto set = journal_.missing.find(info_.first_trigger + index);
+  if (set == journal_.missing.end()) return HoleReason::not_recorded;
+  const auto reason = set->second.find(info_.cameras[camera].name);
+  return reason == set->second.end() ? HoleReason::not_recorded : reason->second;
+}
+
 FrameSlot TakeReader::read(std::size_t index, std::size_t camera) const {
   if (index >= info_.frame_sets || camera >= files_.size())
     throw InvalidInput(fmt::format("take {} has {} frame sets of {} cameras; frame set {} of camera {} was asked for",
                                    info_.name, info_.frame_sets, files_.size(), index, camera));
   const StoredFrame* stored = find(index, camera);
-  if (stored == nullptr) return {.frame = std::nullopt, .missing_because = HoleReason::not_recorded};
+  if (stored == nullptr) return {.frame = std::nullopt, .missing_because = why_missing(index, camera)};
   auto frame = files_[camera].read(*stored);
   if (!frame) return {.frame = std::nullopt, .missing_because = HoleReason::corrupt};
   return {.frame = std::move(frame), .missing_because = std::nullopt};

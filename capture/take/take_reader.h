@@ -9,6 +9,7 @@
 
 #include "capture/take/camera_file_reader.h"
 #include "capture/take/take.h"
+#include "capture/take/take_journal.h"
 
 namespace rotunda::capture {
 
@@ -20,6 +21,7 @@ class TakeReader {
   // take_verify.h looks at the pixels).
   const TakeInfo& info() const { return info_; }
   const std::filesystem::path& folder() const { return folder_; }
+  const TakeJournal& journal() const { return journal_; }
   const std::vector<std::string>& problems() const { return problems_; }  // files that are missing or damaged
 
   std::size_t frame_set_count() const { return info_.frame_sets; }
@@ -35,6 +37,8 @@ class TakeReader {
  private:
   void place_frames();
   void count();
+  void count_reasons();
+  HoleReason why_missing(std::size_t index, std::size_t camera) const;
   const StoredFrame* find(std::size_t index, std::size_t camera) const;
 
   std::filesystem::path folder_;
@@ -42,6 +46,7 @@ class TakeReader {
   std::vector<CameraFileReader> files_;
   std::vector<std::vector<StoredFrame>> placed_;  // by camera, with records, triggers rising
   std::vector<std::size_t> unplaced_;
+  TakeJournal journal_;
   std::vector<std::string> problems_;
 };
 

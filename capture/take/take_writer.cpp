@@ -56,11 +56,19 @@ TakeInfo begin(const TakeWriterOptions& options) {
   info.fps = options.fps;
   info.start = RigClock::now();
   info.recorded = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
-  info.slate = options.slate.empty() ? info.name : options.slate;
+  info.scene = options.scene;
+  info.shot = options.shot;
+  info.take_number = options.take_number;
+  info.slate = options.slate;
+  if (info.slate.empty()) info.slate = slate_text(info.scene, info.shot, info.take_number);
+  if (info.slate.empty()) info.slate = info.name;
   info.note = options.note;
   info.rig = options.rig;
   info.cameras = options.cameras;
-  for (auto& camera : info.cameras) camera.frames = camera.missing = 0;
+  for (auto& camera : info.cameras) {
+    camera.frames = camera.missing = 0;
+    camera.missing_because.clear();
+  }
   return info;
 }
 
@@ -70,7 +78,8 @@ void copy_if_given(const fs::path& from, const fs::path& to) {
 
 }  // namespace
 
-TakeWriter::TakeWriter(const TakeWriterOptions& options) : folder_(options.folder), info_(begin(options)) {
+TakeWriter::TakeWriter(const TakeWriterOptions& options)
+    : folder_(options.folder), info_(begin(options)), sync_statistics_(options.cameras.size()) {
   if (!valid_take_name(info_.name)) throw InvalidInput("'" + info_.name + "' cannot be the name of a take");
   check_cameras(options.cameras);
   if (!(options.fps > 0.0)) throw InvalidInput("a take needs a rate above 0 frame sets a second");
@@ -80,6 +89,7 @@ TakeWriter::TakeWriter(const TakeWriterOptions& options) : folder_(options.folde
     make_folder(options);
   } catch (...) {
     files_.clear();
+    journal_.reset();
     std::error_code best_effort;
     fs::remove_all(folder_, best_effort);
     throw;
@@ -96,6 +106,7 @@ void TakeWriter::make_folder(const TakeWriterOptions& options) {
   copy_if_given(options.calibration_file, capture::calibration_file(folder_));
   files_.reserve(info_.cameras.size());
   for (const auto& camera : info_.cameras) files_.emplace_back(camera_file(folder_, camera.name), camera, info_.fps);
+  journal_.emplace(folder_);
   write_take_info(folder_, info_);
 }
 
@@ -129,14 +140,43 @@ void TakeWriter::write(const FrameSet& set) {
     files_[i].write(*set.slots[i].frame, time);
     ++info_.cameras[i].frames;
   }
-  if (set.complete()) ++info_.complete_sets;
+  if (set.complete())
+    ++info_.complete_sets;
+  else
+    count_holes(set);
+  sync_statistics_.add(set);
   for (auto& camera : info_.cameras) camera.missing = info_.frame_sets - camera.frames;
+}
+
+// What its reason is not known of is missing all the same, and counted so.
+void TakeWriter::count_holes(const FrameSet& set) {
+  std::map<CameraId, HoleReason> missing;
+  for (std::size_t i = 0; i < set.slots.size(); ++i)
+    if (const auto why = set.slots[i].missing_because) {
+      missing[info_.cameras[i].name] = *why;
+      ++info_.cameras[i].missing_because[*why];
+    }
+  journal_->missing(set.trigger, missing);
+}
+
+std::uint64_t TakeWriter::last_trigger() const {
+  return info_.first_trigger + std::max<std::size_t>(info_.frame_sets, 1) - 1;
+}
+
+void TakeWriter::mark(const std::string& text) {
+  journal_->mark({last_trigger(), text});
+}
+
+void TakeWriter::incident(const std::string& text) {
+  journal_->incident({last_trigger(), text});
 }
 
 TakeInfo TakeWriter::finish(TakeState state) {
   sync_thread_ = {};
   throw_sync_failure();
   for (auto& file : files_) file.close();
+  journal_->sync();
+  info_.sync = sync_statistics_.summary();
   for (auto& camera : info_.cameras) camera.missing = info_.frame_sets - camera.frames;
   info_.state = state;
   write_take_info(folder_, info_);
@@ -153,6 +193,7 @@ void TakeWriter::sync_every_second(const std::stop_token& stop) {
     std::exception_ptr failure;
     try {
       for (const auto& file : files_) file.sync();
+      journal_->sync();
     } catch (const std::system_error&) {
       failure = std::current_exception();
     }

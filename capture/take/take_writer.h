@@ -8,12 +8,15 @@
 #include <filesystem>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "capture/frame.h"
+#include "capture/sync/sync_statistics.h"
 #include "capture/take/take.h"
+#include "capture/take/take_journal.h"
 
 namespace rotunda::capture {
 
@@ -22,7 +25,9 @@ class TakeLock;
 
 struct TakeWriterOptions {
   std::filesystem::path folder;  // of the take itself: takes/<name>
-  std::string slate;             // the folder's name if empty
+  std::string slate;             // that of scene, shot and take number, else the folder's name, if empty
+  std::string scene, shot;
+  int take_number = 0;
   std::string note;
   std::string rig;                                       // the rig's name
   double fps = 25.0;                                     // frame sets a second
@@ -42,9 +47,16 @@ class TakeWriter {
   TakeWriter(const TakeWriter&) = delete;
   TakeWriter& operator=(const TakeWriter&) = delete;
 
-  // A hole is counted as missing. Throws InvalidInput if the slots are not the cameras, std::system_error if the disk
-  // is full (1 MiB stays free for closing the take) or fails: what was written before stays valid; call finish().
+  // A hole is counted as missing, its reason kept in the take's journal. Throws InvalidInput if the slots are not the
+  // cameras, std::system_error if the disk is full (1 MiB stays free for closing the take) or fails: what was written
+  // before stays valid; call finish().
   void write(const FrameSet& set);
+
+  // Kept with the trigger of the last set written.
+  void mark(const std::string& text);
+  void incident(const std::string& text);
+  void set_note(const std::string& note) { info_.note = note; }  // into take.yaml by finish()
+  void set_circled(bool circled) { info_.circled = circled; }
 
   // Closes the files, then says so in take.yaml. Throws std::system_error; the take then stays in state recording.
   TakeInfo finish(TakeState state = TakeState::complete);
@@ -54,6 +66,8 @@ class TakeWriter {
  private:
   void make_folder(const TakeWriterOptions& options);
   void require_writable(const FrameSet& set) const;
+  void count_holes(const FrameSet& set);
+  std::uint64_t last_trigger() const;
   void sync_every_second(const std::stop_token& stop);
   void throw_sync_failure();
 
@@ -61,6 +75,8 @@ class TakeWriter {
   TakeInfo info_;
   std::unique_ptr<TakeLock> lock_;
   std::vector<CameraFileWriter> files_;
+  std::optional<TakeJournalWriter> journal_;  // from make_folder() on
+  SyncStatistics sync_statistics_;
   std::mutex sync_mutex_;
   std::condition_variable_any sync_wakes_;
   std::exception_ptr sync_failure_;  // guarded by sync_mutex_

@@ -19,11 +19,12 @@ struct CommandLine {
   std::function<int(std::stop_token)> run;  // the chosen command; set by its callback
 };
 
-void add_rig_commands(CommandLine& line);     // rig, cameras, status
-void add_take_commands(CommandLine& line);    // take ...
-void add_recon_commands(CommandLine& line);   // recon, map
-void add_render_commands(CommandLine& line);  // render, play
-void add_doctor_command(CommandLine& line);   // doctor
+void add_rig_commands(CommandLine& line);                        // rig, cameras, status
+void add_take_commands(CommandLine& line);                       // take ...
+void add_take_edit_commands(CLI::App& take, CommandLine& line);  // take mark, note, circle, rename, trim
+void add_recon_commands(CommandLine& line);                      // recon, map
+void add_render_commands(CommandLine& line);                     // render, play
+void add_doctor_command(CommandLine& line);                      // doctor
 
 // Where takes lie: --takes, else ROTUNDA_TAKES, else the running daemon's, else ./takes.
 std::filesystem::path takes_folder(const CommandLine& line);

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "capture/take/take.h"
+#include "capture/take/take_edit.h"
 #include "capture/take/take_export.h"
 #include "capture/take/take_import.h"
 #include "capture/take/take_reader.h"
@@ -64,19 +65,55 @@ int start_take(const CommandLine& line, const TakeRequest& request, std::stop_to
   return tell_take(take, line.json);
 }
 
+double in_microseconds(std::chrono::nanoseconds time) {
+  return static_cast<double>(time.count()) * 1e-3;
+}
+
+json to_json(const capture::TakeCamera& camera, const capture::CameraSync& sync) {
+  json reasons = json::object();
+  for (const auto& [why, count] : camera.missing_because) reasons[std::string(to_string(why))] = count;
+  return {{"name", camera.name},
+          {"width", camera.width},
+          {"height", camera.height},
+          {"format", to_string(camera.format)},
+          {"frames", camera.frames},
+          {"missing", camera.missing},
+          {"missing_because", reasons},
+          {"offset_us", in_microseconds(sync.offset)},
+          {"jitter_us", in_microseconds(sync.jitter)},
+          {"drift_ppm", sync.drift_ppm}};
+}
+
+// What was measured of a camera's time; zeros for a take that has no such measurement.
+capture::CameraSync sync_of(const capture::TakeInfo& info, std::size_t camera) {
+  return camera < info.sync.cameras.size() ? info.sync.cameras[camera] : capture::CameraSync{};
+}
+
 json to_json(const capture::TakeInfo& info) {
   json cameras = json::array();
-  for (const auto& camera : info.cameras)
-    cameras.push_back({{"name", camera.name},
-                       {"width", camera.width},
-                       {"height", camera.height},
-                       {"format", to_string(camera.format)},
-                       {"frames", camera.frames},
-                       {"missing", camera.missing}});
-  return {{"name", info.name}, {"state", to_string(info.state)}, {"fps", info.fps},
-          {"rig", info.rig},   {"recorded", info.recorded},      {"slate", info.slate},
-          {"note", info.note}, {"frame_sets", info.frame_sets},  {"complete", info.complete_sets},
+  for (std::size_t i = 0; i < info.cameras.size(); ++i) cameras.push_back(to_json(info.cameras[i], sync_of(info, i)));
+  return {{"name", info.name},
+          {"state", to_string(info.state)},
+          {"fps", info.fps},
+          {"rig", info.rig},
+          {"recorded", info.recorded},
+          {"slate", info.slate},
+          {"scene", info.scene},
+          {"shot", info.shot},
+          {"take_number", info.take_number},
+          {"circled", info.circled},
+          {"note", info.note},
+          {"frame_sets", info.frame_sets},
+          {"complete", info.complete_sets},
+          {"spread_median_us", in_microseconds(info.sync.spread_median)},
+          {"spread_p99_us", in_microseconds(info.sync.spread_p99)},
+          {"spread_max_us", in_microseconds(info.sync.spread_max)},
           {"cameras", cameras}};
+}
+
+// As it stands in its folder: nobody records it any more, but nobody closed it either.
+std::string state_word(const fs::path& folder, const capture::TakeInfo& info) {
+  return capture::is_interrupted(folder, info) ? "interrupted" : std::string(to_string(info.state));
 }
 
 int list_takes(const CommandLine& line) {
@@ -85,18 +122,40 @@ int list_takes(const CommandLine& line) {
   const auto takes = capture::list_takes(root, &problems);
   if (line.json) {
     json list = json::array();
-    for (const auto& take : takes) list.push_back(to_json(take));
+    for (const auto& take : takes) {
+      list.push_back(to_json(take));
+      list.back()["state"] = state_word(root / take.name, take);
+    }
     fmt::print("{}\n", json{{"folder", root.string()}, {"takes", list}}.dump(2));
   } else {
-    fmt::print("{:<20} {:<10} {:>10} {:>9} {:>8} {:>5}  {}\n", "take", "state", "frame sets", "complete", "cameras",
-               "fps", "note");
+    fmt::print("{:<20} {:<11} {:>10} {:>9} {:>8} {:>5}  {}\n", "take", "state", "frame sets", "complete", "cameras",
+               "fps", "slate, note");
     for (const auto& take : takes)
-      fmt::print("{:<20} {:<10} {:>10} {:>9} {:>8} {:>5}  {}\n", take.name, to_string(take.state), take.frame_sets,
-                 take.complete_sets, take.cameras.size(), take.fps, take.note);
+      fmt::print("{:<20} {:<11} {:>10} {:>9} {:>8} {:>5}  {}{}{}{}\n", take.name, state_word(root / take.name, take),
+                 take.frame_sets, take.complete_sets, take.cameras.size(), take.fps, take.circled ? "(*) " : "",
+                 take.slate == take.name ? "" : take.slate, take.note.empty() || take.slate == take.name ? "" : ": ",
+                 take.note);
     if (takes.empty()) fmt::print("no takes in {}\n", root.string());
   }
   for (const auto& problem : problems) fmt::print(stderr, "warning: {}\n", problem);
   return kDone;
+}
+
+void tell_camera(const capture::TakeCamera& camera, const capture::CameraSync& sync) {
+  std::string causes;
+  for (const auto& [why, count] : camera.missing_because)
+    causes += fmt::format("{}{} {}", causes.empty() ? " (" : ", ", count, to_string(why));
+  fmt::print("  {:<10} {} x {} {:<9} {} frames, {} missing{}{}", camera.name, camera.width, camera.height,
+             to_string(camera.format), camera.frames, camera.missing, causes, causes.empty() ? "" : ")");
+  fmt::print("; {:+.1f} us from the trigger, {:.1f} us jitter, {:+.2f} ppm\n", in_microseconds(sync.offset),
+             in_microseconds(sync.jitter), sync.drift_ppm);
+}
+
+std::uintmax_t bytes_in(const fs::path& folder) {
+  std::uintmax_t bytes = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(folder))
+    if (entry.is_regular_file()) bytes += entry.file_size();
+  return bytes;
 }
 
 int show_take(const CommandLine& line, const std::string& name) {
@@ -107,14 +166,23 @@ int show_take(const CommandLine& line, const std::string& name) {
     fmt::print("{}\n", to_json(info).dump(2));
     return kDone;
   }
-  fmt::print("{} ({})\n  {}, {} frame sets at {} Hz, {} complete\n", info.name, folder.string(), to_string(info.state),
-             info.frame_sets, info.fps, info.complete_sets);
+  fmt::print("{} ({})\n  {}, {} frame sets at {} Hz, {} complete\n", info.name, folder.string(),
+             state_word(folder, info), info.frame_sets, info.fps, info.complete_sets);
+  if (info.slate != info.name || info.circled)
+    fmt::print("  slate: {}{}\n", info.slate, info.circled ? ", circled" : "");
   if (!info.recorded.empty())
     fmt::print("  recorded {}{}\n", info.recorded, info.rig.empty() ? "" : " by rig " + info.rig);
   if (!info.note.empty()) fmt::print("  note: {}\n", info.note);
-  for (const auto& camera : info.cameras)
-    fmt::print("  {:<10} {} x {} {:<9} {} frames, {} missing\n", camera.name, camera.width, camera.height,
-               to_string(camera.format), camera.frames, camera.missing);
+  if (info.sync.sets > 0)
+    fmt::print("  exposures of a frame set start within {:.1f} us (median), {:.1f} us (99 %), {:.1f} us (worst)\n",
+               in_microseconds(info.sync.spread_median), in_microseconds(info.sync.spread_p99),
+               in_microseconds(info.sync.spread_max));
+  for (std::size_t i = 0; i < info.cameras.size(); ++i) tell_camera(info.cameras[i], sync_of(info, i));
+  for (const auto& mark : reader.journal().marks)
+    fmt::print("  mark at frame {}: {}\n", mark.trigger - info.first_trigger, mark.text);
+  for (const auto& incident : reader.journal().incidents)
+    fmt::print("  at frame {}: {}\n", incident.trigger - info.first_trigger, incident.text);
+  fmt::print("  {:.1f} MB on disk\n", static_cast<double>(bytes_in(folder)) / 1e6);
   for (const auto& problem : reader.problems()) fmt::print("  problem: {}\n", problem);
   return kDone;
 }
@@ -220,9 +288,12 @@ void add_start(CLI::App& take, CommandLine& line) {
       ->transform(seconds());
   start->add_option("--frames", request->frame_sets, "record so many frame sets")->check(CLI::PositiveNumber);
   start->add_option("--note", request->note, "a note kept with the take");
+  start->add_option("--scene", request->scene, "on the slate; takes of one scene and shot are counted up");
+  start->add_option("--shot", request->shot, "on the slate");
   start->footer(
       "Without --duration it returns when the first complete frame set is on disk.\n"
-      "Example:\n  rotunda take start demo --duration 4s --note 'second try'");
+      "Example:\n  rotunda take start demo --duration 4s --note 'second try'\n"
+      "  rotunda take start --scene 12 --shot B       12B-01, 12B-02, ...");
   start->callback([&line, request] {
     line.run = [&line, request](std::stop_token stop) { return start_take(line, *request, std::move(stop)); };
   });
@@ -281,6 +352,7 @@ void add_take_commands(CommandLine& line) {
               [&line](const std::string& name, std::stop_token stopping) {
                 return check_take(line, name, "recovering", capture::recover_take, std::move(stopping));
               });
+  add_take_edit_commands(*take, line);
   add_import(*take, line);
   add_export(*take, line);
 }

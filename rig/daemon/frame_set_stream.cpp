@@ -32,7 +32,8 @@ FrameSetStream::FrameSetStream(FrameSetStreamOptions options, CameraFleet& fleet
       cameras_(options.cameras),
       trigger_(make_take_trigger(options.trigger, ready_to_trigger(fleet), options.wanted, fleet)),
       grid_(trigger_->plan()),
-      assembler_(assembler_options(options, grid_, trigger_->wanted())) {}
+      assembler_(assembler_options(options, grid_, trigger_->wanted())),
+      sync_(cameras_.size()) {}
 
 FrameSetStream::~FrameSetStream() {
   fleet_.release(this);
@@ -74,7 +75,10 @@ void FrameSetStream::take_incomplete(const capture::IncompleteFrame& incomplete)
 }
 
 void FrameSetStream::pass_on(std::vector<capture::FrameSet> sets) {
-  for (auto& set : sets) sink_(std::move(set));
+  for (auto& set : sets) {
+    sync_.add(set);
+    sink_(std::move(set));
+  }
 }
 
 std::optional<std::uint64_t> FrameSetStream::triggers_in_all() const {
@@ -112,6 +116,11 @@ std::uint64_t FrameSetStream::late_frames() const {
   std::uint64_t late = 0;
   for (const auto& camera : assembler_.counts().cameras) late += camera.late;
   return late;
+}
+
+capture::SyncSummary FrameSetStream::sync() const {
+  const std::lock_guard lock(mutex_);
+  return sync_.summary();
 }
 
 capture::AssemblerCounts FrameSetStream::counts() const {

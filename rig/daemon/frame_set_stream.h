@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "capture/sync/frame_set_assembler.h"
+#include "capture/sync/sync_statistics.h"
 #include "config/rig_config.h"
 #include "rig/daemon/camera_fleet.h"
 #include "rig/daemon/take_trigger.h"
@@ -41,6 +42,7 @@ class FrameSetStream : public FrameReceiver {
   std::uint64_t late_triggers() const;
   std::uint64_t late_frames() const;
   capture::AssemblerCounts counts() const;
+  capture::SyncSummary sync() const;
   std::string failure() const { return trigger_->failure(); }
   std::vector<std::string> warnings() const { return trigger_->warnings(); }
 
@@ -60,6 +62,7 @@ class FrameSetStream : public FrameReceiver {
   mutable std::mutex mutex_;  // of what follows
   capture::TriggerGrid grid_;
   capture::FrameSetAssembler assembler_;
+  capture::SyncStatistics sync_;
 };
 
 }  // namespace rotunda::rig

@@ -15,6 +15,10 @@ using namespace std::chrono_literals;
 
 constexpr auto kLookAfter = 200ms;  // a take has ended, cameras have come back: live again at the latest after this
 
+double in_microseconds(std::chrono::nanoseconds time) {
+  return static_cast<double>(time.count()) * 1e-3;
+}
+
 double bytes_per_second(const RigStatus& status) {
   double bytes = 0.0;
   for (const auto& camera : status.cameras) bytes += static_cast<double>(camera.width) * camera.height;
@@ -81,11 +85,26 @@ void RigDaemon::add_session(RigStatus& status, const FrameSetStream& stream) con
   status.late_frames = stream.late_frames();
   status.warnings = stream.warnings();
   const auto counts = stream.counts();
-  for (auto& camera : status.cameras)
-    for (std::size_t i = 0; i < stream.cameras().size(); ++i)
-      if (stream.cameras()[i] == camera.name)
-        for (const auto& [why, holes] : counts.cameras[i].missing_because)
-          camera.missing.emplace(capture::to_string(why), holes);
+  const auto sync = stream.sync();
+  status.spread_median_us = in_microseconds(sync.spread_median);
+  status.spread_p99_us = in_microseconds(sync.spread_p99);
+  for (auto& camera : status.cameras) {
+    const auto place = std::find(stream.cameras().begin(), stream.cameras().end(), camera.name);
+    if (place == stream.cameras().end()) continue;
+    const auto slot = static_cast<std::size_t>(place - stream.cameras().begin());
+    for (const auto& [why, holes] : counts.cameras[slot].missing_because)
+      camera.missing.emplace(capture::to_string(why), holes);
+    if (counts.cameras[slot].in_sets == 0) continue;
+    camera.offset_us = in_microseconds(sync.cameras[slot].offset);
+    camera.drift_ppm = sync.cameras[slot].drift_ppm;
+  }
+}
+
+TakeProgress RigDaemon::annotate_take(const TakeAnnotation& annotation) {
+  const std::lock_guard lock(mutex_);
+  if (!take_) throw DeviceError("rig", "no take was recorded since the daemon started; name one: rotunda take note");
+  take_->annotate(annotation);
+  return take_->progress();
 }
 
 std::shared_ptr<TakeSession> RigDaemon::start_take(const TakeRequest& request) {

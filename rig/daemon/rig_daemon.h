@@ -28,6 +28,9 @@ class RigDaemon {
   std::shared_ptr<TakeSession> start_take(const TakeRequest& request);
   // Stops the running take and waits until it is closed; throws DeviceError if none is running.
   TakeProgress stop_take();
+  // Of the running take; note and circle also of the last. Throws DeviceError when there is none, or nothing records
+  // that could be marked.
+  TakeProgress annotate_take(const TakeAnnotation& annotation);
   // Live before and after takes, or not. What keeps it from being so is a warning of the status.
   void set_live(bool on);
 

@@ -48,6 +48,16 @@ class RigService final : public v1::Rig::Service {
     }
   }
 
+  grpc::Status AnnotateTake(grpc::ServerContext*, const v1::AnnotateTakeRequest* request,
+                            v1::TakeProgress* answer) override {
+    try {
+      *answer = to_message(daemon_.annotate_take(from_message(*request)));
+      return grpc::Status::OK;
+    } catch (...) {
+      return refusal();
+    }
+  }
+
   grpc::Status SetLive(grpc::ServerContext*, const v1::SetLiveRequest* request, v1::Status* answer) override {
     try {
       daemon_.set_live(request->on());

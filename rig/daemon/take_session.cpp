@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "capture/take/take.h"
+#include "capture/take/take_edit.h"
 #include "config/errors.h"
 
 namespace rotunda::rig {
@@ -24,9 +25,13 @@ constexpr auto kRecorderPulse = 20ms;
 // Frame sets without pixels (the disk was too slow for them) are small: the queue has room for minutes of them.
 constexpr std::size_t kRoomForHoles = 10000;
 
-std::string next_free_name(const std::filesystem::path& takes) {
-  for (int number = 1;; ++number) {
-    auto name = fmt::format("take{:03}", number);
+// "take001", or of a slate "12B-03" as the clapperboard will say.
+std::string next_free_name(const std::filesystem::path& takes, const TakeRequest& request) {
+  const bool slated = !request.scene.empty() || !request.shot.empty();
+  int number = slated ? capture::next_take_number(takes, request.scene, request.shot) : 1;
+  for (;; ++number) {
+    auto name =
+        slated ? fmt::format("{}{}-{:02}", request.scene, request.shot, number) : fmt::format("take{:03}", number);
     if (!std::filesystem::exists(takes / name)) return name;
   }
 }
@@ -62,7 +67,7 @@ std::vector<std::string> missing_cameras(const CameraFleet& fleet) {
 }
 
 std::filesystem::path take_folder(const config::RigConfig& rig, const TakeRequest& request) {
-  const auto name = request.name.empty() ? next_free_name(rig.storage.takes) : request.name;
+  const auto name = request.name.empty() ? next_free_name(rig.storage.takes, request) : request.name;
   if (!capture::valid_take_name(name))
     throw InvalidInput(
         fmt::format("\"{}\" cannot name a take: it becomes a folder's name; use letters, digits, '-', '_'", name));
@@ -76,6 +81,10 @@ capture::TakeWriterOptions writer_options(const config::RigConfig& rig, const Ta
   options.folder = folder;
   options.fps = rig.trigger.rate_hz;
   options.note = request.note;
+  options.scene = request.scene;
+  options.shot = request.shot;
+  if (!request.scene.empty() || !request.shot.empty())
+    options.take_number = capture::next_take_number(rig.storage.takes, request.scene, request.shot);
   options.rig = rig.name;
   options.rig_file = rig.file;
   if (rig.calibration) options.calibration_file = *rig.calibration;
@@ -111,6 +120,7 @@ TakeSession::TakeSession(const config::RigConfig& rig, const TakeRequest& reques
       writer_(std::in_place, writer_options(rig, request, cameras_, folder_)) {
   progress_.folder = folder_;
   progress_.name = folder_.filename().string();
+  progress_.slate = writer_->info().slate;
   progress_.wanted = stream_.wanted().value_or(0);
   if (const auto missing = missing_cameras(fleet); !missing.empty())
     progress_.warnings.push_back(fmt::format("recording without {}", fmt::join(missing, ", ")));
@@ -144,10 +154,36 @@ void TakeSession::record() {
   close();
 }
 
+void TakeSession::annotate(const TakeAnnotation& annotation) {
+  const std::lock_guard lock(progress_mutex_);
+  if (!annotation.mark.empty()) {
+    if (progress_.closed) throw DeviceError("rig", "no take is recording: there is no moment to mark");
+    marks_.push_back(annotation.mark);
+    ++progress_.marks;
+  }
+  if (annotation.note) said_.note = annotation.note;
+  if (annotation.circled) said_.circled = annotation.circled;
+  if (progress_.closed) capture::edit_take(folder_, {.note = said_.note, .circled = said_.circled});
+}
+
+void TakeSession::write_annotations() {
+  std::vector<std::string> marks;
+  TakeAnnotation said;
+  {
+    const std::lock_guard lock(progress_mutex_);
+    marks.swap(marks_);
+    said = said_;
+  }
+  if (said.note) writer_->set_note(*said.note);
+  if (said.circled) writer_->set_circled(*said.circled);
+  for (const auto& mark : marks) writer_->mark(mark);
+}
+
 void TakeSession::write(const capture::FrameSet& set) {
   if (!writer_) return;
   try {
     writer_->write(set);
+    write_annotations();
   } catch (const std::exception& error) {
     return give_up(error.what());
   }
@@ -167,6 +203,7 @@ void TakeSession::give_up(const std::string& failure) {
 void TakeSession::close() {
   if (const auto failure = stream_.failure(); !failure.empty()) give_up(failure);
   try {
+    write_annotations();
     writer_->finish(capture::TakeState::complete);
   } catch (const std::exception& error) {
     give_up(error.what());

@@ -28,6 +28,8 @@ class TakeSession {
   ~TakeSession();  // stops and closes the take
 
   void request_stop();  // returns at once
+  // Throws DeviceError for a mark when nothing records any more; of a closed take its take.yaml is changed.
+  void annotate(const TakeAnnotation& annotation);
   TakeProgress progress() const;
   // Waits until the progress differs from `seen` or the take is closed, or for so long.
   TakeProgress wait_for_change(const TakeProgress& seen, std::chrono::milliseconds timeout) const;
@@ -39,6 +41,7 @@ class TakeSession {
   void enqueue(capture::FrameSet&& set);
   void record();
   void write(const capture::FrameSet& set);
+  void write_annotations();
   void give_up(const std::string& failure);
   void close();
 
@@ -53,6 +56,8 @@ class TakeSession {
   mutable std::mutex progress_mutex_;
   mutable std::condition_variable changed_;
   TakeProgress progress_;
+  TakeAnnotation said_;             // and not yet with the writer
+  std::vector<std::string> marks_;  // likewise
 
   std::atomic<bool> stop_requested_ = false;
   std::jthread recorder_;  // last

@@ -96,6 +96,9 @@ TEST(TakeWriter, CountsHolesAndGivesThemBack) {
   EXPECT_EQ(info.complete_sets, 1U);
   EXPECT_EQ(info.cameras[0].missing, 3U);
   EXPECT_EQ(info.cameras[1].missing, 2U);
+  using Reasons = std::map<HoleReason, std::size_t>;
+  EXPECT_EQ(info.cameras[0].missing_because, (Reasons{{HoleReason::late, 1}, {HoleReason::camera_lost, 1}}));
+  EXPECT_EQ(read_take_info(folder).cameras[0].missing_because, info.cameras[0].missing_because);
   const TakeReader take(folder);
   ASSERT_EQ(take.frame_set_count(), 4U);
   expect_same(take.read(0), first);
@@ -105,6 +108,51 @@ TEST(TakeWriter, CountsHolesAndGivesThemBack) {
   EXPECT_EQ(take.read(1).slots[0].missing_because, HoleReason::not_recorded);
   EXPECT_EQ(take.read(1).time, trigger_time(11));
   EXPECT_THROW(take.read(4), InvalidInput);
+}
+
+TEST(TakeWriter, KilledItStillKnowsWhyFramesAreMissingAndWhatWasMarked) {
+  const TemporaryFolder root;
+  const auto folder = root.path() / "cut";
+  const auto cameras = cameras_of(2);
+  {
+    TakeWriter writer(options_for(folder, cameras));
+    FrameSet hole = frame_set(cameras, 11);
+    hole.slots[1] = {.frame = std::nullopt, .missing_because = HoleReason::trigger_missed};
+    for (const auto& set : {frame_set(cameras, 10), hole, frame_set(cameras, 12)}) writer.write(set);
+    writer.mark("here");
+  }  // without finish()
+  const TakeReader take(folder);
+  EXPECT_EQ(take.read(1).slots[1].missing_because, HoleReason::trigger_missed);
+  EXPECT_EQ(take.info().cameras[1].missing_because.at(HoleReason::trigger_missed), 1U);
+  ASSERT_EQ(take.journal().marks.size(), 1U);
+  EXPECT_EQ(take.journal().marks[0], (TakeRemark{12, "here"}));
+}
+
+TEST(TakeWriter, KeepsTheSlateAndHowWellTheCamerasWereInStep) {
+  const TemporaryFolder root;
+  auto options = options_for(root.path() / "12B-01", cameras_of(2));
+  options.scene = "12";
+  options.shot = "B";
+  options.take_number = next_take_number(root.path(), "12", "B");
+  {
+    TakeWriter writer(options);
+    for (std::uint64_t trigger = 0; trigger < 10; ++trigger) {
+      auto set = frame_set(options.cameras, trigger);
+      set.slots[1].frame->exposure_start = set.slots[0].frame->exposure_start + std::chrono::microseconds(30);
+      writer.write(set);
+    }
+    writer.set_circled(true);
+    writer.finish();
+  }
+  const TakeInfo info = read_take_info(options.folder);
+  EXPECT_EQ(info.slate, "12 B 1");
+  EXPECT_TRUE(info.circled);
+  EXPECT_EQ(info.sync.sets, 10U);
+  EXPECT_NEAR(static_cast<double>(info.sync.spread_median.count()), 30e3, 1e3);
+  ASSERT_EQ(info.sync.cameras.size(), 2U);
+  EXPECT_EQ(info.sync.cameras[1].offset - info.sync.cameras[0].offset, std::chrono::microseconds(30));
+  EXPECT_EQ(next_take_number(root.path(), "12", "B"), 2);
+  EXPECT_EQ(next_take_number(root.path(), "12", "C"), 1);
 }
 
 TEST(TakeWriter, RefusesAFolderThatExistsAndLeavesItAlone) {
