@@ -64,6 +64,21 @@ struct TakeAnnotation {
   std::optional<bool> circled;
 };
 
+// The empty studio as one camera saw it.
+struct CameraPlate {
+  std::string camera;
+  std::filesystem::path file;  // PNG
+  std::uint64_t pictures = 0;  // it is the mean of
+  double noise = 0.0;          // a pixel's standard deviation in time, grey levels; the median
+  double moving_share = 0.0;   // of the pixels, 0 .. 1: somebody was there
+};
+
+struct PlateReport {
+  std::filesystem::path folder;
+  std::vector<CameraPlate> cameras;
+  std::vector<std::string> missing;  // cameras that sent no pictures
+};
+
 // Where the daemon listens: `given`, else ROTUNDA_SOCKET, else $XDG_RUNTIME_DIR/rotunda.sock, else /run/rotunda.sock.
 std::filesystem::path daemon_socket(const std::filesystem::path& given = {});
 
@@ -82,6 +97,8 @@ class RigClient {
                           std::stop_token stop);
   TakeProgress stop_take();
   TakeProgress annotate_take(const TakeAnnotation& annotation);
+  // Records the empty studio; returns when its pictures are kept for the takes to come.
+  PlateReport record_plate(std::uint64_t frame_sets);
   // Has the cameras triggered and their pictures watched without a take, or no longer.
   RigStatus set_live(bool on);
 

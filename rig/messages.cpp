@@ -150,4 +150,31 @@ v1::StartTakeRequest to_message(const TakeRequest& request) {
   return m;
 }
 
+PlateReport from_message(const v1::PlateReport& m) {
+  PlateReport report{.folder = m.folder()};
+  for (const auto& camera : m.cameras())
+    report.cameras.push_back({.camera = camera.camera(),
+                              .file = camera.file(),
+                              .pictures = camera.pictures(),
+                              .noise = camera.noise(),
+                              .moving_share = camera.moving_share()});
+  report.missing.assign(m.missing().begin(), m.missing().end());
+  return report;
+}
+
+v1::PlateReport to_message(const PlateReport& report) {
+  v1::PlateReport m;
+  m.set_folder(report.folder.string());
+  for (const auto& camera : report.cameras) {
+    auto& filled = *m.add_cameras();
+    filled.set_camera(camera.camera);
+    filled.set_file(camera.file.string());
+    filled.set_pictures(camera.pictures);
+    filled.set_noise(camera.noise);
+    filled.set_moving_share(camera.moving_share);
+  }
+  m.mutable_missing()->Assign(report.missing.begin(), report.missing.end());
+  return m;
+}
+
 }  // namespace rotunda::rig

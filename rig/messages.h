@@ -10,6 +10,8 @@ RigStatus from_message(const v1::Status& message);
 TakeRequest from_message(const v1::StartTakeRequest& message);
 v1::TakeProgress to_message(const TakeProgress& progress);
 v1::Status to_message(const RigStatus& status);
+PlateReport from_message(const v1::PlateReport& message);
+v1::PlateReport to_message(const PlateReport& report);
 TakeAnnotation from_message(const v1::AnnotateTakeRequest& message);
 v1::AnnotateTakeRequest to_message(const TakeAnnotation& annotation);
 v1::StartTakeRequest to_message(const TakeRequest& request);

@@ -76,6 +76,17 @@ void copy_if_given(const fs::path& from, const fs::path& to) {
   if (!from.empty()) fs::copy_file(from, to);
 }
 
+void copy_backgrounds(const TakeWriterOptions& options) {
+  if (options.background_folder.empty()) return;
+  for (const auto& camera : options.cameras) {
+    const auto from = options.background_folder / (camera.name + ".png");
+    if (!fs::exists(from)) continue;
+    const auto to = background_file(options.folder, camera.name);
+    fs::create_directories(to.parent_path());
+    fs::copy_file(from, to);
+  }
+}
+
 }  // namespace
 
 TakeWriter::TakeWriter(const TakeWriterOptions& options)
@@ -104,6 +115,7 @@ void TakeWriter::make_folder(const TakeWriterOptions& options) {
   lock_ = std::make_unique<TakeLock>(folder_);
   copy_if_given(options.rig_file, folder_ / "rig.yaml");
   copy_if_given(options.calibration_file, capture::calibration_file(folder_));
+  copy_backgrounds(options);
   files_.reserve(info_.cameras.size());
   for (const auto& camera : info_.cameras) files_.emplace_back(camera_file(folder_, camera.name), camera, info_.fps);
   journal_.emplace(folder_);

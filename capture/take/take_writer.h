@@ -34,6 +34,7 @@ struct TakeWriterOptions {
   std::vector<TakeCamera> cameras;                       // name, size and format, in the order of a FrameSet's slots
   std::filesystem::path rig_file;                        // copied, if given
   std::filesystem::path calibration_file;                // copied, if given
+  std::filesystem::path background_folder;               // <camera>.png: the empty studio; the cameras' are copied
   std::uint64_t reserve_bytes = std::uint64_t{2} << 30;  // must be free on the disk at the start
 };
 

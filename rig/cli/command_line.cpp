@@ -99,6 +99,7 @@ int run_rotunda(int argc, const char* const* argv) {
   add_doctor_command(line);
   add_rig_commands(line);
   add_take_commands(line);
+  add_plate_command(line);
   add_recon_commands(line);
   add_render_commands(line);
   try {

@@ -22,6 +22,7 @@ struct CommandLine {
 void add_rig_commands(CommandLine& line);                        // rig, cameras, status
 void add_take_commands(CommandLine& line);                       // take ...
 void add_take_edit_commands(CLI::App& take, CommandLine& line);  // take mark, note, circle, rename, trim
+void add_plate_command(CommandLine& line);                       // plate
 void add_recon_commands(CommandLine& line);                      // recon, map
 void add_render_commands(CommandLine& line);                     // render, play
 void add_doctor_command(CommandLine& line);                      // doctor

@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "config/errors.h"
+#include "rig/daemon/plate_recording.h"
 
 namespace rotunda::rig {
 namespace {
@@ -107,12 +108,43 @@ TakeProgress RigDaemon::annotate_take(const TakeAnnotation& annotation) {
   return take_->progress();
 }
 
-std::shared_ptr<TakeSession> RigDaemon::start_take(const TakeRequest& request) {
-  fleet_.wait_until_tried({});  // a take asked for while the daemon starts is one with all cameras
-  const std::lock_guard lock(mutex_);
+void RigDaemon::require_free_locked() const {
+  if (plating_) throw DeviceError("rig", "the empty studio is being recorded; wait until it is done");
   if (recording_locked())
     throw DeviceError(
         "rig", fmt::format("take {} is still recording; stop it first: rotunda take stop", take_->progress().name));
+}
+
+PlateReport RigDaemon::record_plate(std::uint64_t frame_sets) {
+  constexpr std::uint64_t kFewest = 2, kMost = 256;
+  if (frame_sets < kFewest || frame_sets > kMost)
+    throw InvalidInput(
+        fmt::format("the empty studio is the mean of {} to {} pictures, not {}", kFewest, kMost, frame_sets));
+  fleet_.wait_until_tried({});
+  {
+    const std::lock_guard lock(mutex_);
+    require_free_locked();
+    plating_ = true;
+    live_.reset();
+  }
+  const auto free_again = [this] {
+    const std::lock_guard lock(mutex_);
+    plating_ = false;
+  };
+  try {
+    auto report = rig::record_plate(rig_, fleet_, frame_sets);
+    free_again();
+    return report;
+  } catch (...) {
+    free_again();
+    throw;
+  }
+}
+
+std::shared_ptr<TakeSession> RigDaemon::start_take(const TakeRequest& request) {
+  fleet_.wait_until_tried({});  // a take asked for while the daemon starts is one with all cameras
+  const std::lock_guard lock(mutex_);
+  require_free_locked();
   live_.reset();
   take_.reset();
   take_ = std::make_shared<TakeSession>(rig_, request, fleet_, watch_);
@@ -135,7 +167,7 @@ TakeProgress RigDaemon::stop_take() {
 void RigDaemon::set_live(bool on) {
   const std::lock_guard lock(mutex_);
   live_wanted_ = on;
-  if (!recording_locked()) go_live_or_not();
+  if (!plating_ && !recording_locked()) go_live_or_not();
   live_changed_.notify_one();
 }
 
@@ -156,7 +188,7 @@ void RigDaemon::keep_live(std::stop_token stop) {
   std::unique_lock lock(mutex_);
   while (!stop.stop_requested()) {
     live_changed_.wait_for(lock, stop, kLookAfter, [] { return false; });
-    if (live_wanted_ && !live_ && !recording_locked() && !stop.stop_requested()) go_live_or_not();
+    if (live_wanted_ && !live_ && !plating_ && !recording_locked() && !stop.stop_requested()) go_live_or_not();
   }
 }
 

@@ -31,12 +31,15 @@ class RigDaemon {
   // Of the running take; note and circle also of the last. Throws DeviceError when there is none, or nothing records
   // that could be marked.
   TakeProgress annotate_take(const TakeAnnotation& annotation);
+  // Throws what record_plate throws, and DeviceError while a take is recording. Live goes on afterwards.
+  PlateReport record_plate(std::uint64_t frame_sets);
   // Live before and after takes, or not. What keeps it from being so is a warning of the status.
   void set_live(bool on);
 
  private:
   std::string state_locked() const;
   bool recording_locked() const;
+  void require_free_locked() const;
   void add_session(RigStatus& status, const FrameSetStream& stream) const;
   void keep_live(std::stop_token stop);
   void go_live_or_not();
@@ -47,6 +50,7 @@ class RigDaemon {
   mutable std::mutex mutex_;
   std::condition_variable_any live_changed_;
   std::shared_ptr<TakeSession> take_;  // the running or last one
+  bool plating_ = false;
   bool live_wanted_ = false;
   std::string live_problem_;
   std::unique_ptr<LiveSession> live_;

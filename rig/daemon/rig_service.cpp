@@ -58,6 +58,16 @@ class RigService final : public v1::Rig::Service {
     }
   }
 
+  grpc::Status RecordPlate(grpc::ServerContext*, const v1::RecordPlateRequest* request,
+                           v1::PlateReport* answer) override {
+    try {
+      *answer = to_message(daemon_.record_plate(request->frame_sets()));
+      return grpc::Status::OK;
+    } catch (...) {
+      return refusal();
+    }
+  }
+
   grpc::Status SetLive(grpc::ServerContext*, const v1::SetLiveRequest* request, v1::Status* answer) override {
     try {
       daemon_.set_live(request->on());

@@ -11,6 +11,7 @@
 #include "capture/take/take.h"
 #include "capture/take/take_edit.h"
 #include "config/errors.h"
+#include "rig/daemon/plate_recording.h"
 
 namespace rotunda::rig {
 namespace {
@@ -88,6 +89,7 @@ capture::TakeWriterOptions writer_options(const config::RigConfig& rig, const Ta
   options.rig = rig.name;
   options.rig_file = rig.file;
   if (rig.calibration) options.calibration_file = *rig.calibration;
+  options.background_folder = plate_folder(rig.storage.takes);
   options.reserve_bytes = static_cast<std::uint64_t>(rig.storage.reserve_mb * 1e6);
   options.cameras = cameras;
   return options;
