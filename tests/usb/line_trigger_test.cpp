@@ -1,6 +1,7 @@
 // A take in trigger mode `line`: the trigger box on a mocked USB port pulses the Line0 of simulated GigE Vision
 // cameras.
 #include <gtest/gtest.h>
+#include <netinet/in.h>
 #include <unistd.h>
 
 #include <filesystem>
@@ -10,6 +11,8 @@
 #include "config/errors.h"
 #include "config/rig_config.h"
 #include "rig/daemon/rig_daemon.h"
+#include "simulator/gige/trigger_box.h"
+#include "simulator/gige/udp_socket.h"
 #include "tests/support/gige_test_studio.h"
 #include "tests/support/private_network.h"
 #include "tests/usb/emulated_trigger_box.h"
@@ -47,9 +50,11 @@ struct LineRig : ::testing::Test {
 };
 
 TEST_F(LineRig, EachPulseIsOneCompleteFrameSet) {
-  tests::TestStudio studio({.cameras = 2, .width = 64, .height = 48});
+  tests::TestStudio studio({.cameras = 2, .width = 64, .height = 48, .trigger_box_port = 0});
+  simulator::UdpSocket cable({.address = INADDR_LOOPBACK, .port = 0});
+  const simulator::Endpoint line0{.address = INADDR_LOOPBACK, .port = (*studio).trigger_box_port()};
   EmulatedTriggerBox box({.fast_ppm = 50.0}, [&](unsigned line, bool high) {
-    if (line == 0 && high) (*studio).line0_edge(capture::RigClock::now());
+    if (line == 0) cable.send(simulator::line_datagram({.high = high, .at = capture::RigClock::now()}), line0);
   });
   RigDaemon daemon(rig);
   const auto progress = record(daemon, 15);
