@@ -19,6 +19,8 @@ namespace rotunda::capture {
 
 namespace {
 
+constexpr int least_packet = 576;           // bytes, that GigE Vision asks of every link
+constexpr std::size_t ignored_frames = 3;   // in packets, with no frame coming out: something is wrong
 constexpr int stream_thread_priority = 10;  // of SCHED_RR: late packets are lost packets
 
 class AravisSource final : public Source {
@@ -34,6 +36,7 @@ class AravisSource final : public Source {
   void stop() override;
   void software_trigger() override;
   void close() noexcept override;
+  std::optional<std::string> heal() override;
 
   SourceState state() const override { return state_; }
   SourceStats stats() const override;
@@ -48,6 +51,9 @@ class AravisSource final : public Source {
   void set_sinks(FrameSink frames, IncompleteSink incomplete);
   void tune(ArvStream* stream) const;
   void cure_socket_buffer(ArvStream* stream);
+  void make_stream();
+  void drop_stream() noexcept;
+  bool hears_no_frames();
   void hand_on(ArvBuffer* buffer);
   bool is_whole(ArvBuffer* buffer) const;
   Frame frame_in(ArvBuffer* buffer, const std::uint8_t* data);
@@ -67,6 +73,9 @@ class AravisSource final : public Source {
   IncompleteSink incomplete_sink_;
 
   ExposureCounter counter_;  // touched by the stream thread only
+  std::size_t frame_packets_ = 1;  // about
+  std::uint64_t finished_seen_ = 0, ignored_seen_ = 0;
+
   GRef<ArvCamera> camera_;
   GRef<ArvStream> stream_;
   std::shared_ptr<BufferPool> pool_;
@@ -106,12 +115,17 @@ void AravisSource::arm() {
   require(SourceState::open, "armed");
   SourceDescription description = configure_camera(camera_.get(), settings_);
   const StreamChannel channel = configure_stream_channel(camera_.get(), settings_);
-  const std::size_t payload = payload_bytes(camera_.get(), settings_);
   {
     const std::lock_guard lock(mutex_);
     description_ = std::move(description);
     channel_ = channel;
   }
+  make_stream();
+  become(SourceState::armed);
+}
+
+void AravisSource::make_stream() {
+  const std::size_t payload = payload_bytes(camera_.get(), settings_);
   GRef<ArvStream> stream = create_stream(camera_.get(), settings_, on_stream, this);
   tune(stream.get());
   if (ARV_IS_GV_STREAM(stream.get())) cure_socket_buffer(stream.get());
@@ -121,7 +135,46 @@ void AravisSource::arm() {
     stream_ = std::move(stream);
   }
   pool_->top_up();
-  become(SourceState::armed);
+  frame_packets_ = payload / static_cast<std::size_t>(std::max(channel_.packet_size, least_packet)) + 1;
+  finished_seen_ = ignored_seen_ = 0;
+}
+
+void AravisSource::drop_stream() noexcept {
+  if (pool_) pool_->close();
+  GRef<ArvStream> stream;
+  {
+    const std::lock_guard lock(mutex_);
+    stream = std::move(stream_);
+    socket_buffer_bytes_ = 0;
+  }
+  stream.reset();  // joins the stream thread
+  pool_.reset();
+}
+
+// Aravis 0.8.26 takes all packets for late ones whose block id is below the highest it was ever told: one leader with a
+// wrong id, and it ignores every frame after it. Late packets of resends are ignored too, but never whole frames' worth
+// without a frame.
+bool AravisSource::hears_no_frames() {
+  if (!ARV_IS_GV_STREAM(stream_.get())) return false;
+  const std::uint64_t ignored = arv_stream_get_info_uint64_by_name(stream_.get(), "n_ignored_packets");
+  const std::uint64_t finished = frames_ + incomplete_;
+  if (finished != finished_seen_) ignored_seen_ = ignored;
+  finished_seen_ = finished;
+  return ignored - ignored_seen_ >= ignored_frames * frame_packets_;
+}
+
+std::optional<std::string> AravisSource::heal() {
+  if (state_ != SourceState::streaming || !hears_no_frames()) return std::nullopt;
+  stop_acquisition(camera_.get(), settings_);
+  drop_stream();
+  counter_ = {};
+  make_stream();
+  start_acquisition(camera_.get(), settings_);
+  return fmt::format(
+      "{}: {} sent packets of which no frame came, as after a leader with a wrong block id; its stream was made anew. "
+      "If "
+      "it happens again, look for a bad cable or switch",
+      settings_.camera, settings_.device);
 }
 
 // Resend of lost packets is on where the camera can. A frame still short of packets must be given up before the next
@@ -178,15 +231,7 @@ void AravisSource::software_trigger() {
 void AravisSource::close() noexcept {
   set_sinks({}, {});
   if (camera_ && state_ == SourceState::streaming) arv_camera_stop_acquisition(camera_.get(), nullptr);
-  if (pool_) pool_->close();
-  GRef<ArvStream> stream;
-  {
-    const std::lock_guard lock(mutex_);
-    stream = std::move(stream_);
-    socket_buffer_bytes_ = 0;
-  }
-  stream.reset();  // joins the stream thread
-  pool_.reset();
+  drop_stream();
   if (camera_) g_signal_handlers_disconnect_by_data(arv_camera_get_device(camera_.get()), this);
   camera_.reset();
   state_ = SourceState::closed;
@@ -199,7 +244,8 @@ void AravisSource::on_stream(void* self, ArvStreamCallbackType type, ArvBuffer*)
     const sched_param priority{.sched_priority = stream_thread_priority};
     pthread_setschedparam(pthread_self(), SCHED_RR, &priority);  // where the system allows it
   } else if (type == ARV_STREAM_CALLBACK_TYPE_BUFFER_DONE) {
-    if (ArvBuffer* buffer = arv_stream_try_pop_buffer(source.stream_.get())) source.hand_on(buffer);
+    ArvStream* stream = source.stream_.get();  // nothing while it is taken down
+    if (ArvBuffer* buffer = stream ? arv_stream_try_pop_buffer(stream) : nullptr) source.hand_on(buffer);
     source.pool_->top_up();
   }
 }

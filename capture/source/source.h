@@ -92,6 +92,9 @@ class Source {
   virtual void stop() = 0;              // no sink is called after it returns
   virtual void software_trigger() = 0;  // while streaming, TriggerMode::software
   virtual void close() noexcept = 0;    // frames that readers hold stay good
+  // While streaming, every now and then: if the camera sends and yet no frame comes of it any more, receives it anew
+  // and returns what was wrong. Nothing if all is well. Blocks like the calls above.
+  virtual std::optional<std::string> heal() { return std::nullopt; }
 
   virtual SourceState state() const = 0;  // lost: the camera went away; close it, then open it anew
   virtual SourceStats stats() const = 0;

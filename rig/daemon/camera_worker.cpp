@@ -138,11 +138,21 @@ void CameraWorker::serve(std::stop_token stop) {
       triggers = std::exchange(software_triggers_, 0);
     }
     for (; triggers > 0; --triggers) source_->software_trigger();
+    heal();
     refresh_status();
     if (source_->state() == capture::SourceState::lost)
       throw DeviceError(settings_.camera, "no longer answers; check its cable and power (it is tried again every " +
                                               std::to_string(kRetryAfter.count()) + " s)");
   }
+}
+
+// Told until the camera is opened anew.
+void CameraWorker::heal() {
+  const auto ailment = source_->heal();
+  if (!ailment) return;
+  spdlog::warn("{}", *ailment);
+  const std::lock_guard lock(mutex_);
+  status_.problem = *ailment;
 }
 
 void CameraWorker::refresh_status() {

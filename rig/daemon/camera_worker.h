@@ -39,6 +39,7 @@ class CameraWorker {
   void bring_up();
   void open_and_arm();
   void serve(std::stop_token stop);
+  void heal();
   void refresh_status();
   void take_down(const std::string& problem);
   double measured_rate(std::uint64_t frames);

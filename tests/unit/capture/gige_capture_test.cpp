@@ -185,6 +185,38 @@ TEST_F(GigeCaptureTest, AFrameThatLostPacketsForGoodIsToldWithItsTime) {
   EXPECT_GT(source->stats().incomplete, 0u);
 }
 
+// One leader with a block id far ahead, and Aravis ignores every frame after it.
+TEST_F(GigeCaptureTest, AStreamThatHearsNoFramesAnyMoreIsMadeAnew) {
+  tests::TestStudio studio({.cameras = 1});
+  auto settings = settings_of_all(studio)[0];
+  settings.trigger = TriggerMode::software;
+  const auto source = make_source(settings);
+  source->open();
+  source->arm();
+  BoundedQueue<Frame> frames(100);
+  source->start([&](Frame&& frame) { frames.push_drop_oldest(std::move(frame)); });
+  source->software_trigger();
+  ASSERT_TRUE(frames.wait_pop(10s));
+  (*studio).set_faults({.corrupted_leader = {.flaw = simulator::LeaderFlaw::block_id, .rate = 1.0}});
+  source->software_trigger();
+  EXPECT_FALSE(frames.wait_pop(500ms));
+  (*studio).set_faults({});
+  std::optional<std::string> ailment;
+  for (int i = 0; i < 50 && !ailment; ++i) {
+    source->software_trigger();
+    EXPECT_FALSE(frames.wait_pop(100ms)) << "then there is nothing to cure";
+    ailment = source->heal();
+  }
+  ASSERT_TRUE(ailment);
+  EXPECT_THAT(*ailment, testing::AllOf(HasSubstr("cam00"), HasSubstr("block id"), HasSubstr("made anew")));
+  for (int i = 0; i < 3; ++i) {
+    source->software_trigger();
+    EXPECT_TRUE(frames.wait_pop(10s)) << "frame " << i << " after the cure";
+    EXPECT_FALSE(source->heal());
+  }
+  EXPECT_EQ(source->state(), SourceState::streaming);
+}
+
 TEST_F(GigeCaptureTest, ACameraThatIsControlledBySomebodyElseIsRefusedByName) {
   const tests::TestStudio studio({.cameras = 1});
   const auto first = make_source(settings_of_all(studio)[0]);
