@@ -72,7 +72,7 @@ class AravisSource final : public Source {
   FrameSink frame_sink_;
   IncompleteSink incomplete_sink_;
 
-  ExposureCounter counter_;  // touched by the stream thread only
+  ExposureCounter counter_;        // touched by the stream thread only
   std::size_t frame_packets_ = 1;  // about
   std::uint64_t finished_seen_ = 0, ignored_seen_ = 0;
 
@@ -151,12 +151,13 @@ void AravisSource::drop_stream() noexcept {
   pool_.reset();
 }
 
-// Aravis 0.8.26 takes all packets for late ones whose block id is below the highest it was ever told: one leader with a
-// wrong id, and it ignores every frame after it. Late packets of resends are ignored too, but never whole frames' worth
-// without a frame.
+// Aravis 0.8.26 takes packets for late ones whose block id is up to 99 below the last: one leader with an id a little
+// ahead, or a camera that counts from 1 again, and it ignores whole frames until they catch up. Late packets of resends
+// are ignored too, but never frames' worth without a frame; those that find no buffer count as both.
 bool AravisSource::hears_no_frames() {
   if (!ARV_IS_GV_STREAM(stream_.get())) return false;
-  const std::uint64_t ignored = arv_stream_get_info_uint64_by_name(stream_.get(), "n_ignored_packets");
+  const auto told = [this](const char* name) { return arv_stream_get_info_uint64_by_name(stream_.get(), name); };
+  const std::uint64_t underruns = told("n_underruns"), ignored = told("n_ignored_packets") - underruns;
   const std::uint64_t finished = frames_ + incomplete_;
   if (finished != finished_seen_) ignored_seen_ = ignored;
   finished_seen_ = finished;
@@ -171,7 +172,7 @@ std::optional<std::string> AravisSource::heal() {
   make_stream();
   start_acquisition(camera_.get(), settings_);
   return fmt::format(
-      "{}: {} sent packets of which no frame came, as after a leader with a wrong block id; its stream was made anew. "
+      "{}: {} sent packets of which no frame came, as when its block ids go back; its stream was made anew. "
       "If "
       "it happens again, look for a bad cable or switch",
       settings_.camera, settings_.device);

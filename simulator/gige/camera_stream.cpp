@@ -14,6 +14,7 @@ namespace {
 
 constexpr std::uint32_t kBurstBytes = 64 * 1024;  // what leaves between two looks at the clock
 constexpr std::uint32_t kBatch = 64;              // packets a system call
+constexpr std::uint64_t kBlocksAhead = 64;  // of a wrong leader: Aravis takes ids up to 99 below the last for late
 
 }  // namespace
 
@@ -212,7 +213,7 @@ GvspPacket CameraStream::packet_of(const KeptFrame& kept, const PacketSending& s
   if (flaw == LeaderFlaw::width) wrong.width *= 2;
   if (flaw == LeaderFlaw::height) wrong.height *= 2;
   if (flaw == LeaderFlaw::pixel_format) wrong.pixel_code = 0x0108FFFF;  // 8 bits a pixel, of no known kind
-  if (flaw == LeaderFlaw::block_id) wrong.block ^= 0x4000;
+  if (flaw == LeaderFlaw::block_id) wrong.block = (wrong.block + kBlocksAhead - 1) % 65535 + 1;
   GvspPacket leader = gvsp_packet(wrong, 0, status);
   if (flaw == LeaderFlaw::random)
     randomise_leader(std::span{leader.head}.first(leader.head_bytes).last(kLeaderBytes), kept.faults.seed, sending);
