@@ -177,6 +177,9 @@ void read_simulator(CheckedMap& root, SimulatorConfig& simulator, Problems& prob
   map.read<std::string>("act", simulator.act, "an act's name");
   map.read<bool>("travel", simulator.travel, "true or false");
   map.read<std::uint64_t>("seed", simulator.seed, "a number");
+  map.read<double>("wear", simulator.wear, "0 to 4", between(0.0, 4.0));
+  map.read<double>("unevenness", simulator.unevenness, "1 to 10", between(1.0, 10.0));
+  map.read<double>("lateral_colour_px", simulator.lateral_colour_px, "0 to 5 pixels", between(0.0, 5.0));
   map.refuse_unknown_keys();
 }
 

@@ -53,6 +53,9 @@ struct SimulatorConfig {
   std::string act = "walk";
   bool travel = false;  // through the volume instead of on the spot
   std::uint64_t seed = 1;
+  double wear = 1.0;                // of the painted studio: seams, scuffs, tape; 0 none
+  double unevenness = 2.0;          // of the light on it, brightest to darkest
+  double lateral_colour_px = 0.25;  // of the lenses, in the picture's corner
 };
 
 struct RigConfig {

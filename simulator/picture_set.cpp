@@ -9,7 +9,7 @@ namespace rotunda::simulator {
 int write_picture_set(const std::filesystem::path& directory, SceneRenderer& studio, int frames,
                       const std::stop_token& stop, const std::function<void(int)>& progress) {
   const auto& cameras = studio.cameras();
-  const TruthFiles truth(directory / "truth", studio.performance(), cameras, frames);
+  const TruthFiles truth(directory / "truth", studio.performance(), cameras, frames, /*key=*/{}, studio.sensor());
   std::filesystem::create_directories(directory / "background");
   for (std::size_t camera = 0; camera < cameras.size(); ++camera) {
     std::filesystem::create_directories(directory / "images" / cameras[camera].name);

@@ -10,9 +10,11 @@ class Preparation {
  public:
   explicit Preparation(const ActOptions& options) : options_(options) {
     const auto known = fingerprint_of(options.performance);
-    key_ = picture_key(known ? *known : performance().fingerprint(), options.cameras, options.sensor, options.format);
+    key_ = picture_key(known ? *known : performance().fingerprint(), options.cameras, options.sensor, options.format,
+                       options.backdrop);
     if (options.truth)
-      truth_.emplace(*options.truth, performance(), options.cameras, performance().frames(), key_.digest);
+      truth_.emplace(*options.truth, performance(), options.cameras, performance().frames(), key_.digest,
+                     options.sensor);
   }
 
   std::unique_ptr<ActPlayer> out_of_cache(FrameCache cache) {
@@ -38,7 +40,7 @@ class Preparation {
     return *performance_;
   }
   SceneRenderer& renderer() {
-    if (!renderer_) renderer_.emplace(performance(), options_.cameras, options_.sensor);
+    if (!renderer_) renderer_.emplace(performance(), options_.cameras, options_.sensor, options_.backdrop);
     return *renderer_;
   }
   AheadOptions ahead() const {

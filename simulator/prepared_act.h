@@ -14,6 +14,7 @@ struct ActOptions {
   PerformanceOptions performance;
   std::vector<capture::CameraModel> cameras;
   SensorOptions sensor;
+  BackdropOptions backdrop;
   capture::PixelFormat format = capture::PixelFormat::bayer_rg8;
   std::optional<FrameCache::Options> cache;     // nothing: pictures are rendered every time and held in memory
   std::optional<std::filesystem::path> truth;   // folder to write what is true of the act to

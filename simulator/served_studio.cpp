@@ -69,6 +69,7 @@ const capture::CameraModel& model_of(const config::CameraConfig& camera, const s
 SensorOptions ServedStudio::sensor() const {
   SensorOptions options;
   options.seed = performance.seed;
+  options.lateral_colour_px = lateral_colour_px;
   for (const auto& device : devices) options.cameras.push_back({.exposure_s = 1e-6 * device.exposure_us});
   return options;
 }
@@ -103,6 +104,9 @@ ServedStudio studio_of_rig(const std::filesystem::path& rig_file) {
   studio.performance.act = rig.simulator.act;
   studio.performance.travel = rig.simulator.travel;
   studio.performance.seed = static_cast<std::uint32_t>(rig.simulator.seed);
+  studio.backdrop.wear = rig.simulator.wear;
+  studio.backdrop.unevenness = rig.simulator.unevenness;
+  studio.lateral_colour_px = rig.simulator.lateral_colour_px;
   for (const auto& camera : rig.cameras) {
     if (camera.source != "aravis") continue;  // not for GigE Vision
     const auto& model = model_of(camera, *rig.calibration, models);

@@ -9,6 +9,7 @@
 #include "simulator/gige/device_registers.h"
 #include "simulator/people/performance.h"
 #include "simulator/studio/camera_layout.h"
+#include "simulator/studio/painted_room.h"
 #include "simulator/studio/re_exposure.h"
 #include "simulator/studio/sensor.h"
 
@@ -18,6 +19,8 @@ struct ServedStudio {
   std::vector<GigeCameraOptions> devices;     // one a camera
   std::vector<capture::CameraModel> cameras;  // the same order
   PerformanceOptions performance;
+  BackdropOptions backdrop;
+  double lateral_colour_px = SensorOptions{}.lateral_colour_px;
   SensorOptions sensor() const;  // the devices' exposures, the performance's seed
 };
 // Each camera gets a clock that errs like a real one's.

@@ -65,6 +65,14 @@ void add_layout_options(CLI::App& command, LayoutArguments& arguments, CLI::Opti
   add(command.add_option("--cameras", arguments.layout.cameras,
                          "2 to 64; four in five on a ring, the rest from above (10)"))
       ->check(CLI::Range(2, 64));
+  add(command.add_option("--radius", arguments.radius, "of the ring in metres (3.6; 6 for acts that travel)"))
+      ->check(CLI::Range(1.0, 50.0));
+  auto* subject = add(command.add_option("--subject-height", arguments.subject_height,
+                                         "metres amid the stage that fill the picture's height (2.3)"));
+  subject->check(CLI::Range(0.05, 50.0));
+  add(command.add_flag("--whole-volume", arguments.whole_volume,
+                       "lenses that hold the whole stage of 3 x 2 x 2 m (so for acts that travel)"))
+      ->excludes(subject);
   add(command.add_option("--size", arguments.size, "WIDTHxHEIGHT in pixels (720x576)"))
       ->delimiter('x')
       ->check(CLI::Range(16, 16384));
@@ -77,11 +85,31 @@ void add_layout_options(CLI::App& command, LayoutArguments& arguments, CLI::Opti
   add(command.add_option("--k2", arguments.layout.k2, "radial distortion (0)"));
 }
 
-LayoutOptions layout_of(const LayoutArguments& arguments) {
+LayoutOptions layout_of(const LayoutArguments& arguments, const PerformanceArguments& performance) {
+  const bool travels = performance.travel || performance.act == "board";
   LayoutOptions layout = arguments.layout;
+  if (arguments.whole_volume || (travels && !arguments.subject_height)) layout = travelling_layout(layout);
+  if (arguments.radius) layout.radius = *arguments.radius;
+  if (arguments.subject_height) layout.subject_height = *arguments.subject_height;
   std::tie(layout.width, layout.height) = arguments.size;
   layout.aspect = arguments.aspect.front() / (arguments.aspect.size() > 1 ? arguments.aspect.back() : 1.0);
   return layout;
+}
+
+void add_studio_options(CLI::App& command, StudioArguments& arguments) {
+  command
+      .add_option("--wear", arguments.wear, "of the blue room: seams, roller marks, scuffs, tape; 0 none, 2 many (1)")
+      ->check(CLI::Range(0.0, 4.0));
+  command.add_option("--unevenness", arguments.unevenness, "of the light on it, brightest to darkest (2)")
+      ->check(CLI::Range(1.0, 10.0));
+  command.add_option("--lateral-colour", arguments.lateral_colour_px, "of the lenses, pixels in the corner (0.25)")
+      ->check(CLI::Range(0.0, 5.0));
+}
+
+void apply(const StudioArguments& arguments, ServedStudio& studio) {
+  if (arguments.wear) studio.backdrop.wear = *arguments.wear;
+  if (arguments.unevenness) studio.backdrop.unevenness = *arguments.unevenness;
+  if (arguments.lateral_colour_px) studio.lateral_colour_px = *arguments.lateral_colour_px;
 }
 
 AheadProgress progress_bar(const std::string& what) {
@@ -95,6 +123,7 @@ ActOptions act_options(const ServedStudio& studio, const CacheArguments& cache, 
   return {.performance = studio.performance,
           .cameras = studio.cameras,
           .sensor = studio.sensor(),
+          .backdrop = studio.backdrop,
           .format = studio.devices.front().format,
           .cache = cache_options(cache),
           .progress = progress_bar("rendering ahead"),

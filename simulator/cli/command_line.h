@@ -46,11 +46,21 @@ struct LayoutArguments {
   LayoutOptions layout;
   std::pair<int, int> size{720, 576};
   std::vector<double> aspect{1.0};  // above, below
+  std::optional<double> radius, subject_height;
+  bool whole_volume = false;
 };
 // `file`, `other_file`: options that say it instead.
 void add_layout_options(CLI::App& command, LayoutArguments& arguments, CLI::Option* file = nullptr,
                         CLI::Option* other_file = nullptr);
-LayoutOptions layout_of(const LayoutArguments& arguments);
+// For whom they look at: who travels needs them farther out, unless the arguments say where they stand.
+LayoutOptions layout_of(const LayoutArguments& arguments, const PerformanceArguments& performance = {});
+
+// --wear, --unevenness, --lateral-colour: how perfect room and lenses are.
+struct StudioArguments {
+  std::optional<double> wear, unevenness, lateral_colour_px;
+};
+void add_studio_options(CLI::App& command, StudioArguments& arguments);
+void apply(const StudioArguments& arguments, ServedStudio& studio);
 
 // A bar on the terminal, or lines in a pipe, for as long as the function lives.
 AheadProgress progress_bar(const std::string& what);

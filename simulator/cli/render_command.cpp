@@ -12,6 +12,7 @@ namespace {
 struct RenderOptions {
   LayoutArguments layout;
   PerformanceArguments performance;
+  StudioArguments studio;
   CacheArguments cache;
   std::string calibration, rig, output;
   int frames = 1;
@@ -19,9 +20,11 @@ struct RenderOptions {
 };
 
 ServedStudio studio_of(const RenderOptions& options) {
-  auto studio = options.rig.empty() ? studio_of_layout(layout_of(options.layout)) : studio_of_rig(options.rig);
+  auto studio = options.rig.empty() ? studio_of_layout(layout_of(options.layout, options.performance))
+                                    : studio_of_rig(options.rig);
   if (!options.calibration.empty()) studio.cameras = capture::read_calibration(options.calibration);
   apply(options.performance, studio.performance);
+  apply(options.studio, studio);
   return studio;
 }
 
@@ -32,7 +35,7 @@ int render_into_cache(const ServedStudio& studio, const RenderOptions& options, 
 
 int render_files(const ServedStudio& studio, const RenderOptions& options, const std::stop_token& stop) {
   const auto performance = make_performance(studio.performance);
-  SceneRenderer renderer(*performance, studio.cameras, studio.sensor());
+  SceneRenderer renderer(*performance, studio.cameras, studio.sensor(), studio.backdrop);
   const auto progress = progress_bar("frames written");
   const int written = write_picture_set(options.output, renderer, options.frames, stop,
                                         [&](int done) { progress(done, options.frames); });
@@ -48,6 +51,7 @@ void add_render_command(CommandLine& line) {
       "  rotunda-sim render --cache-only --rig config/simulated-studio.yaml --act dance");
   const auto options = std::make_shared<RenderOptions>();
   add_performance_options(*command, options->performance);
+  add_studio_options(*command, options->studio);
   auto* calibration = command->add_option("--calibration", options->calibration, "the cameras of this file instead");
   auto* rig = command->add_option("--rig", options->rig, "the cameras of this rig file instead")->excludes(calibration);
   add_layout_options(*command, options->layout, rig, calibration);

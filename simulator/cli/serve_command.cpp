@@ -22,6 +22,7 @@ namespace {
 
 struct ServeOptions {
   PerformanceArguments performance;
+  StudioArguments studio;
   CacheArguments cache;
   ScanArguments scan;
   FaultControlOptions faults;
@@ -40,9 +41,11 @@ capture::PixelFormat format_of(const ServeOptions& options) {
 }
 
 ServedStudio studio_of(const ServeOptions& options) {
-  auto studio = options.rig.empty() ? studio_of_layout(layout_of(options.layout), format_of(options))
-                                    : studio_of_rig(options.rig);
+  auto studio = options.rig.empty()
+                    ? studio_of_layout(layout_of(options.layout, options.performance), format_of(options))
+                    : studio_of_rig(options.rig);
   apply(options.performance, studio.performance);
+  apply(options.studio, studio);
   if (options.exposure_us)
     for (auto& device : studio.devices) device.exposure_us = *options.exposure_us;
   if (options.clocks == "realistic") use_realistic_clocks(studio, options.clock_seed.value_or(studio.performance.seed));
@@ -140,6 +143,7 @@ void add_serve_command(CommandLine& line) {
   add_layout_options(line.app, options->layout, rig);
   line.app.add_option("--pixel-format", options->pixel_format, "Mono8, BayerRG8, RGB8, ... (BayerRG8)")->excludes(rig);
   add_performance_options(line.app, options->performance);
+  add_studio_options(line.app, options->studio);
   line.app
       .add_option("--exposure", options->exposure_us, "microseconds, of all cameras (as the rig file has it, or 5000)")
       ->check(CLI::PositiveNumber);

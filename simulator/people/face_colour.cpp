@@ -125,6 +125,13 @@ Vector3d eyes(const FacePoint& f, Vector3d colour) {
 
 }  // namespace
 
+bool is_eyeball(const BodyBuild& build, const Vector3d& q) {
+  if (q.x() < 0.045) return false;
+  const Clothing any;
+  const EyeOpening eye(FacePoint{build, any, q, std::abs(q.y())});
+  return eye.within() && eye.dz < eye.upper && eye.dz > eye.lower;
+}
+
 Vector3d face_colour(const BodyBuild& build, const Clothing& look, const Vector3d& q, Vector3d colour) {
   const FacePoint f{build, look, q, std::abs(q.y())};
   colour = complexion(f, colour);

@@ -64,6 +64,7 @@ void add_to(Fingerprint& print, const std::vector<Figure>& figures) {
     add_all(print, figure.bind.positions);
     add_all(print, figure.bind.triangles);
     add_all(print, figure.openness);
+    add_all(print, figure.material);
     add_all(print, figure.texture.corners);
     const cv::Mat& picture = figure.texture.picture;
     for (int row = 0; row < picture.rows; ++row)

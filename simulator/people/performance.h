@@ -10,6 +10,7 @@
 #include "capture/frame.h"
 #include "recon/mesh/triangle_mesh.h"
 #include "simulator/people/act.h"
+#include "simulator/people/surface_material.h"
 #include "simulator/people/surface_texture.h"
 
 namespace rotunda::simulator {
@@ -19,6 +20,7 @@ struct Figure {
   recon::TriangleMesh bind;     // our people's is closed; colours at the vertices
   std::vector<float> openness;  // one a vertex: 1 open to all light, 0 buried
   SurfaceTexture texture;
+  std::vector<SurfaceMaterial> material = {};  // one a vertex; none: cloth all over
 };
 
 struct JointInfo {

@@ -8,6 +8,7 @@
 
 #include "config/errors.h"
 #include "simulator/people/body_mesh.h"
+#include "simulator/people/skin_colour.h"
 
 namespace rotunda::simulator {
 namespace {
@@ -134,6 +135,26 @@ std::vector<recon::Colour> vertex_colours(const recon::TriangleMesh& mesh, const
   return colours;
 }
 
+SurfaceMaterial material_at(const BodyShape& shape, const Eigen::Vector3d& p, const BodyPlace& place) {
+  const bool tight = shape.build().outfit == Outfit::close_fit;
+  if (place.worn.garment == Garment::trousers && tight) return SurfaceMaterial::denim;
+  if (place.worn.garment == Garment::coat) return SurfaceMaterial::wool;
+  if (place.worn.garment != Garment::bare) return SurfaceMaterial::cloth;
+  if (place.material == Material::skin || place.material == Material::hair) return skin_material(shape, p, place);
+  if (place.material == Material::shoe || place.material == Material::sole) return SurfaceMaterial::leather;
+  return SurfaceMaterial::cloth;
+}
+
+std::vector<SurfaceMaterial> vertex_materials(const recon::TriangleMesh& mesh, const std::vector<std::size_t>& parts,
+                                              const BodyShape& shape) {
+  std::vector<SurfaceMaterial> materials(mesh.positions.size());
+  tbb::parallel_for(std::size_t{0}, materials.size(), [&](std::size_t v) {
+    const Eigen::Vector3d p = mesh.positions[v].cast<double>();
+    materials[v] = material_at(shape, p, shape.place_on(parts[v], p));
+  });
+  return materials;
+}
+
 std::vector<float> vertex_openness(const recon::TriangleMesh& mesh, const BodyShape& shape) {
   std::vector<float> openness(mesh.positions.size());
   tbb::parallel_for(std::size_t{0}, openness.size(), [&](std::size_t v) {
@@ -154,6 +175,7 @@ Person make_person(const PersonDescription& description) {
   person.bind.colours = vertex_colours(person.bind, parts, shape, description.clothing);
   person.weights = skin_weights(person.bind, shape);
   person.openness = vertex_openness(person.bind, shape);
+  person.material = vertex_materials(person.bind, parts, shape);
   person.texture = paint_surface(person.bind, description.texels_per_edge, [&](std::size_t triangle, const auto& p) {
     return colour_on(person.bind, parts, shape, description.clothing, triangle, p);
   });

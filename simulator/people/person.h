@@ -11,6 +11,7 @@
 #include "simulator/people/clothing.h"
 #include "simulator/people/skeleton.h"
 #include "simulator/people/skin_weights.h"
+#include "simulator/people/surface_material.h"
 #include "simulator/people/surface_texture.h"
 
 namespace rotunda::simulator {
@@ -22,7 +23,8 @@ struct Person {
   std::vector<SkinWeights> weights;  // one a vertex
   std::vector<float> openness;       // one a vertex: 1 open to all light, 0 buried
   SurfaceTexture texture;
-  Cloth cloth;  // what of the surface moves by itself
+  std::vector<SurfaceMaterial> material;  // one a vertex
+  Cloth cloth;                            // what of the surface moves by itself
 };
 
 struct PersonDescription {

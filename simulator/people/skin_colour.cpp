@@ -77,6 +77,16 @@ Vector3d skin_colour(const BodyShape& shape, const Clothing& look, const Vector3
   return mix(colour, rgb(look.hair) * 0.85, (1.0 - ear) * roots);
 }
 
+SurfaceMaterial skin_material(const BodyShape& shape, const Vector3d& p, const BodyPlace& place) {
+  if (place.material == Material::hair) return SurfaceMaterial::hair;
+  if (place.joint != Joint::head) return SurfaceMaterial::skin;
+  const Vector3d head = shape.head().to_reference(p);
+  if (hair_cover(shape.build(), head) > 0.5) return SurfaceMaterial::hair;
+  if (is_eyeball(shape.build(), head)) return SurfaceMaterial::eye;
+  const bool lips = head.x() > 0.075 && std::abs(head.y()) < 0.022 && std::abs(head.z() - 1.5655) < 0.0085;
+  return lips ? SurfaceMaterial::lip : SurfaceMaterial::skin;
+}
+
 // Strands run back from the forehead over the crown and down the sides.
 Vector3d hair_colour(const BodyShape& shape, const Clothing& look, const Vector3d& p) {
   const BodyBuild& build = shape.build();

@@ -14,10 +14,12 @@ std::uint32_t mix(std::uint32_t h) {  // finaliser of MurmurHash3
   return h ^ (h >> 16);
 }
 
+std::uint32_t hashed(std::uint32_t h, std::int64_t v) {
+  return mix(h ^ (static_cast<std::uint32_t>(v) * 0x9e3779b9U + 0x7f4a7c15U));
+}
+
 std::uint32_t hash(std::int64_t x, std::int64_t y, std::int64_t z, std::uint32_t seed) {
-  std::uint32_t h = seed;
-  for (const std::int64_t v : {x, y, z}) h = mix(h ^ (static_cast<std::uint32_t>(v) * 0x9e3779b9U + 0x7f4a7c15U));
-  return h;
+  return hashed(hashed(hashed(seed, x), y), z);
 }
 
 // One of the twelve edge directions of a cube (Perlin, "Improving noise", 2002).
@@ -39,12 +41,16 @@ double solid_noise(const Eigen::Vector3d& p, std::uint32_t seed) {
   const Eigen::Vector3d f = p - base;
   const auto x = static_cast<std::int64_t>(base.x()), y = static_cast<std::int64_t>(base.y()),
              z = static_cast<std::int64_t>(base.z());
+  const double u = fade(f.x()), v = fade(f.y()), w = fade(f.z());
   double sum = 0.0;
-  for (int corner = 0; corner < 8; ++corner) {
-    const int i = corner & 1, j = (corner >> 1) & 1, k = corner >> 2;
-    const double weight = (i ? fade(f.x()) : 1.0 - fade(f.x())) * (j ? fade(f.y()) : 1.0 - fade(f.y())) *
-                          (k ? fade(f.z()) : 1.0 - fade(f.z()));
-    sum += weight * gradient_dot(hash(x + i, y + j, z + k, seed), f.x() - i, f.y() - j, f.z() - k);
+  for (int i = 0; i < 2; ++i) {
+    const std::uint32_t column = hashed(seed, x + i);
+    for (int j = 0; j < 2; ++j) {
+      const std::uint32_t row = hashed(column, y + j);
+      const double share = (i ? u : 1.0 - u) * (j ? v : 1.0 - v);
+      for (int k = 0; k < 2; ++k)
+        sum += share * (k ? w : 1.0 - w) * gradient_dot(hashed(row, z + k), f.x() - i, f.y() - j, f.z() - k);
+    }
   }
   return sum;
 }

@@ -22,7 +22,7 @@ std::vector<JointInfo> joint_infos() {
 
 SyntheticPerformance::SyntheticPerformance(Person person, Motion motion)
     : person_(std::move(person)), motion_(std::move(motion)), joints_(joint_infos()) {
-  figures_.push_back({person_.bind, person_.openness, std::move(person_.texture)});
+  figures_.push_back({person_.bind, person_.openness, std::move(person_.texture), person_.material});
 }
 
 double SyntheticPerformance::within_round(double seconds) const {

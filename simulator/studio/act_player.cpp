@@ -34,10 +34,19 @@ class HeldAct : public ActPlayer {
   std::vector<PictureSet> frames_;
 };
 
-constexpr std::size_t kLent = 9;   // pictures a camera may still be sending: eight, and the one asked for
-constexpr std::size_t kAhead = 8;  // pictures read before they are asked for
-constexpr std::size_t kSlots = kLent + kAhead + 2;
+constexpr std::size_t kLent = 9;  // pictures a camera may still be sending: eight, and the one asked for
+constexpr std::size_t kFewestAhead = 8, kMostAhead = 64;  // pictures read before they are asked for
+constexpr std::uint64_t kMemory = 240'000'000;            // bytes of all slots, if that is enough for the fewest
+constexpr std::size_t kAnnounced = 12;                    // frames beyond, for the kernel to fetch meanwhile
 constexpr auto kTellEvery = 1s;
+
+// As far as memory goes: a disk that stalls is forgiven for so many periods.
+std::size_t ahead_for(const EntryShape& shape) {
+  std::uint64_t set = 1;
+  for (const auto bytes : shape.picture_bytes) set += bytes;
+  const std::size_t slots = kMemory / set;
+  return std::clamp(slots, kLent + 2 + kFewestAhead, kLent + 2 + kMostAhead) - kLent - 2;
+}
 
 struct Slot {
   std::vector<std::uint8_t> pixels;
@@ -48,8 +57,10 @@ struct Slot {
 
 class StreamedCamera {
  public:
-  StreamedCamera(std::uint64_t picture_bytes, int frames) : frames_(frames) {
-    for (auto& slot : slots_) slot.pixels.resize(picture_bytes);
+  StreamedCamera(std::uint64_t picture_bytes, int frames, std::size_t ahead)
+      : frames_(frames), ahead_(ahead), slots_(kLent + ahead + 2) {
+    for (auto& slot : slots_) slot.pixels.reserve(picture_bytes);  // touched when first read into
+    picture_bytes_ = picture_bytes;
   }
 
   // Notes that `frame` is wanted now; true if that was foreseen.
@@ -75,11 +86,13 @@ class StreamedCamera {
   Slot& free_slot() {
     const auto is_free = [&](const Slot& slot) {
       if (slot.lent > 0 || slot.is_loading) return false;
-      for (std::size_t k = 0; k <= kAhead && slot.frame >= 0; ++k)
+      for (std::size_t k = 0; k <= ahead_ && slot.frame >= 0; ++k)
         if (slot.frame == foreseen(k)) return false;
       return true;
     };
-    return *std::find_if(slots_.begin(), slots_.end(), is_free);
+    Slot& slot = *std::find_if(slots_.begin(), slots_.end(), is_free);
+    slot.pixels.resize(picture_bytes_);
+    return slot;
   }
 
   void lend(Slot& slot) {
@@ -92,16 +105,18 @@ class StreamedCamera {
 
  private:
   int frames_;
-  std::array<Slot, kSlots> slots_;
+  std::uint64_t picture_bytes_ = 0;
+  std::size_t ahead_;
+  std::vector<Slot> slots_;
   std::deque<Slot*> lent_;  // oldest first
   int last_ = -1, stride_ = 1;
 };
 
 class StreamedAct : public ActPlayer {
  public:
-  explicit StreamedAct(CacheEntry entry) : entry_(std::move(entry)) {
+  explicit StreamedAct(CacheEntry entry) : entry_(std::move(entry)), ahead_(ahead_for(entry_.shape())) {
     if (entry_.shape().frames <= 0) throw InvalidInput("an act to play needs frames");
-    for (const auto bytes : entry_.shape().picture_bytes) cameras_.emplace_back(bytes, entry_.shape().frames);
+    for (const auto bytes : entry_.shape().picture_bytes) cameras_.emplace_back(bytes, entry_.shape().frames, ahead_);
     prefetch_ = std::jthread([this](const std::stop_token& stop) { prefetch_loop(stop); });
   }
 
@@ -161,10 +176,27 @@ class StreamedAct : public ActPlayer {
     while (!stop.stop_requested()) {
       wake_.wait(lock, stop, [this] { return has_errand_; });
       has_errand_ = false;
-      for (std::size_t steps = 1; steps <= kAhead && !stop.stop_requested(); ++steps)  // what is due first, first
+      announce(lock);
+      for (std::size_t steps = 1; steps <= ahead_ && !stop.stop_requested(); ++steps)  // what is due first, first
         for (std::size_t camera = 0; camera < cameras_.size(); ++camera) read_ahead(camera, steps, lock);
       tell(lock);
     }
+  }
+
+  // All cameras of a frame lie in one file, and cameras of one trigger go through the act alike.
+  void announce(std::unique_lock<std::mutex>& lock) {
+    const auto camera = std::find_if(cameras_.begin(), cameras_.end(), [](const auto& c) { return c.is_asked_for(); });
+    if (camera == cameras_.end()) return;
+    std::vector<int> coming;
+    for (std::size_t steps = 1; steps <= ahead_ + kAnnounced; ++steps) {
+      const int frame = camera->foreseen(steps);
+      if (std::find(announced_.begin(), announced_.end(), frame) == announced_.end()) coming.push_back(frame);
+    }
+    lock.unlock();
+    for (const int frame : coming) entry_.announce(frame);
+    lock.lock();
+    announced_.insert(announced_.end(), coming.begin(), coming.end());
+    while (announced_.size() > ahead_ + 2 * kAnnounced) announced_.pop_front();
   }
 
   void read_ahead(std::size_t number, std::size_t steps, std::unique_lock<std::mutex>& lock) {
@@ -190,7 +222,9 @@ class StreamedAct : public ActPlayer {
   mutable std::mutex mutex_;
   std::condition_variable loaded_;
   std::condition_variable_any wake_;
+  std::size_t ahead_;
   std::deque<StreamedCamera> cameras_;
+  std::deque<int> announced_;  // frames the kernel was asked for last; the prefetch thread's own
   PlayerCounts counts_;
   std::uint64_t told_late_ = 0;
   std::chrono::steady_clock::time_point told_at_{};

@@ -29,9 +29,10 @@ class ActPlayer {
 
 std::unique_ptr<ActPlayer> hold_in_memory(std::vector<PictureSet> frames);
 
-// Owns a thread, "prefetch", that reads each camera's next eight pictures while the ones before are sent: as many act
-// frames further each as from the last to this one. Holds nineteen pictures a camera, 80 MB for ten of 720 x 576. A
-// picture that is not there in time is read when asked for and counted; once a second a warning tells.
+// Owns a thread, "prefetch", that reads each camera's next pictures while the ones before are sent: as many act frames
+// further each as from the last to this one. It holds 240 MB of them, for ten cameras of 720 x 576 those of the
+// next 1.8 seconds; of large cameras at least the next eight. A picture that is not there in time is read when asked
+// for and counted; once a second a warning tells.
 std::unique_ptr<ActPlayer> stream_from_disk(CacheEntry entry);
 
 }  // namespace rotunda::simulator

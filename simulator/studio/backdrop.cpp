@@ -8,7 +8,6 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "simulator/people/solid_noise.h"
 #include "simulator/studio/light.h"
 
 namespace rotunda::simulator {
@@ -16,56 +15,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kRoom = 6.2;  // radius of the wall, metres
 constexpr float kNoFloor = 1e6F;
-constexpr std::uint32_t kPaintSeed = 77;
-
-const cv::Vec3d kPaint(0.030, 0.105, 0.480);  // linear reflectance of chroma-key blue
-
-// Lamps leave pools and dark corners; the roller left marks. `along` runs from the stage's middle out and up the wall.
-double brightness(const Vector3d& p, double along) {
-  const double azimuth = std::atan2(p.y(), p.x());
-  const double pools = 0.10 * std::cos(3.0 * azimuth + 0.7) + 0.06 * std::cos(5.0 * azimuth - along);
-  const double falloff =
-      along < kRoom ? 1.02 - 0.012 * along * along
-                    : 1.02 - 0.012 * kRoom * kRoom + 0.10 * (along - kRoom) - 0.035 * std::pow(along - kRoom, 2);
-  const double paint = 0.025 * fractal_noise(p / 0.6, 3, kPaintSeed) +
-                       0.012 * solid_noise(Vector3d(p.x() / 0.05, p.y() / 0.05, p.z() / 0.3), kPaintSeed + 9);
-  return std::max(0.15, falloff * (1.0 + pools * std::min(1.0, along / kRoom)) + paint);
-}
-
-cv::Vec3f paint_at(const Vector3d& p, double along) {
-  const double light = 0.95 * brightness(p, along);
-  const double scuff = along < kRoom ? 0.02 * std::max(0.0, fractal_noise(p / 0.25, 2, kPaintSeed + 20)) : 0.0;
-  return {static_cast<float>(light * (kPaint[0] + scuff)), static_cast<float>(light * (kPaint[1] + scuff)),
-          static_cast<float>(light * (kPaint[2] + scuff))};
-}
-
-// Where the ray meets the wall: the far intersection with the cylinder, seen from inside.
-Vector3d wall_point(const Vector3d& origin, const Vector3d& ray) {
-  const double a = ray.head<2>().squaredNorm(), b = origin.head<2>().dot(ray.head<2>());
-  const double c = origin.head<2>().squaredNorm() - kRoom * kRoom;
-  return origin + ray * ((-b + std::sqrt(std::max(0.0, b * b - a * c))) / std::max(a, 1e-12));
-}
-
-void look_along(const capture::CameraModel& camera, int x, int y, cv::Vec3f& colour, cv::Vec2f& floor) {
-  floor = {kNoFloor, kNoFloor};
-  const auto ray = capture::ray_through(camera, {x, y});
-  colour = {0.0F, 0.0F, 0.0F};  // beyond the lens's field
-  if (!ray) return;
-  const Vector3d origin = camera.centre();
-  if (ray->z() < 0.0) {
-    const Vector3d p = origin - *ray * (origin.z() / ray->z());
-    const double along = p.head<2>().norm();
-    if (along < kRoom) {
-      floor = {static_cast<float>(p.x()), static_cast<float>(p.y())};
-      colour = paint_at(p, along);
-      return;
-    }
-  }
-  const Vector3d p = wall_point(origin, *ray);
-  colour = paint_at(p, kRoom + std::min(std::abs(p.z()), 6.0));
-}
 
 // What lies on the floor or close over it darkens it more than the shadow maps can tell: their cells are too coarse.
 struct Layer {
@@ -122,11 +72,27 @@ cv::Mat lamp_shadow(const ContactShadow& grid, const ShadowMaps& maps) {
 
 }  // namespace
 
-Backdrop make_backdrop(const capture::CameraModel& camera) {
-  Backdrop backdrop{cv::Mat(camera.height, camera.width, CV_32FC3), cv::Mat(camera.height, camera.width, CV_32FC2)};
+BackdropOptions room_around(const std::vector<capture::CameraModel>& cameras, BackdropOptions options) {
+  constexpr double kBehindCamera = 0.7;  // metres
+  for (const auto& camera : cameras)
+    options.wall_radius = std::max(options.wall_radius, camera.centre().head<2>().norm() + kBehindCamera);
+  return options;
+}
+
+Backdrop make_backdrop(const capture::CameraModel& camera, const BackdropOptions& options) {
+  const PaintedRoom room(options);
+  const Eigen::Vector3d eye = camera.centre();
+  Backdrop backdrop{cv::Mat(camera.height, camera.width, CV_32FC3, cv::Scalar::all(0.0)),
+                    cv::Mat(camera.height, camera.width, CV_32FC2, cv::Scalar::all(kNoFloor))};
   tbb::parallel_for(0, camera.height, [&](int y) {
-    for (int x = 0; x < camera.width; ++x)
-      look_along(camera, x, y, backdrop.linear.at<cv::Vec3f>(y, x), backdrop.floor.at<cv::Vec2f>(y, x));
+    for (int x = 0; x < camera.width; ++x) {
+      const auto ray = capture::ray_through(camera, {x, y});
+      if (!ray) continue;  // beyond the lens's field
+      const auto seen = room.seen_along(eye, *ray, 1.0 / camera.K(1, 1));
+      for (int c = 0; c < 3; ++c) backdrop.linear.at<cv::Vec3f>(y, x)[c] = seen.linear[c];
+      if (seen.is_floor)
+        backdrop.floor.at<cv::Vec2f>(y, x) = {static_cast<float>(seen.point.x()), static_cast<float>(seen.point.y())};
+    }
   });
   return backdrop;
 }

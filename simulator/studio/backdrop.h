@@ -1,10 +1,12 @@
 #pragma once
-// The empty studio: a floor and a round wall that run into each other, painted blue, unevenly lit. World frame, metres.
+// The empty studio (painted_room.h) as one camera sees it, and the shade that figures throw on its floor. World frame,
+// metres.
 #include <opencv2/core.hpp>
 #include <vector>
 
 #include "capture/camera_model.h"
 #include "recon/mesh/triangle_mesh.h"
+#include "simulator/studio/painted_room.h"
 #include "simulator/studio/shadow.h"
 
 namespace rotunda::simulator {
@@ -13,7 +15,10 @@ struct Backdrop {
   cv::Mat linear;  // CV_32FC3, red, green, blue: what the camera sees without anyone on the stage
   cv::Mat floor;   // CV_32FC2: x and y of the floor point at each pixel; far away where there is wall
 };
-Backdrop make_backdrop(const capture::CameraModel& camera);
+// The same with a wall that stands behind all cameras.
+BackdropOptions room_around(const std::vector<capture::CameraModel>& cameras, BackdropOptions options);
+
+Backdrop make_backdrop(const capture::CameraModel& camera, const BackdropOptions& options = {});
 
 // How much of the light reaches the floor beside a body: 1 all, 0 none.
 struct ContactShadow {

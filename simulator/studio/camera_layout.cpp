@@ -19,12 +19,44 @@ Eigen::Vector3d on_ring(double azimuth, const LayoutOptions& options) {
 }
 
 Eigen::Vector3d high_up(double azimuth, const LayoutOptions& options) {
-  const double across = options.radius * std::cos(kHighElevation);
+  const double up = std::clamp((options.rig_height - options.aim_height) / options.radius, 0.0, 1.0);
+  const double elevation = std::min(kHighElevation, std::asin(up));
+  const double across = options.radius * std::cos(elevation);
   return {across * std::cos(azimuth), across * std::sin(azimuth),
-          options.aim_height + options.radius * std::sin(kHighElevation)};
+          options.aim_height + options.radius * std::sin(elevation)};
+}
+
+bool holds(const capture::CameraModel& camera, const Eigen::AlignedBox3d& volume) {
+  constexpr double kRim = 1.0;  // pixels
+  for (int corner = 0; corner < 8; ++corner) {
+    const auto seen = capture::project(camera, volume.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner)));
+    if (!seen || (seen->array() < kRim).any() || seen->x() > camera.width - 1 - kRim ||
+        seen->y() > camera.height - 1 - kRim)
+      return false;
+  }
+  return true;
+}
+
+// The longest focal length, to half a percent, that still has the volume in the picture.
+void fit_lens(capture::CameraModel& camera, const Eigen::AlignedBox3d& volume) {
+  constexpr int kSteps = 1400;  // down to a thousandth: a camera within the volume
+  for (int step = 0; step < kSteps && !holds(camera, volume); ++step) {
+    camera.K(0, 0) *= 0.995;
+    camera.K(1, 1) *= 0.995;
+  }
+  if (!holds(camera, volume))
+    throw InvalidInput(fmt::format("{} stands too near to see the whole stage; set a larger radius", camera.name));
 }
 
 }  // namespace
+
+LayoutOptions travelling_layout(LayoutOptions options) {
+  options.radius = 6.0;
+  options.ring_height = 1.05;
+  options.aim_height = 1.0;
+  options.whole_volume = true;
+  return options;
+}
 
 capture::CameraModel look_at(const Eigen::Vector3d& centre, const Eigen::Vector3d& target, int width, int height,
                              double fx, double fy) {
@@ -61,6 +93,11 @@ std::vector<capture::CameraModel> camera_layout(const LayoutOptions& options) {
     camera.name = fmt::format("cam{:02}", i);
     camera.K(0, 1) = options.skew_px;
     camera.distortion << options.k1, options.k2, options.p1, options.p2, options.k3;
+    if (options.whole_volume) {
+      camera.K.topLeftCorner<2, 2>() *= 4.0;  // a long lens to begin with
+      camera.K(0, 1) = options.skew_px;
+      fit_lens(camera, kStageVolume);
+    }
     cameras.push_back(camera);
   }
   return cameras;

@@ -5,11 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
-#include <opencv2/imgproc.hpp>
-#include <span>
 
-#include "simulator/studio/light.h"
+#include "simulator/studio/sample_raster.h"
 
 namespace rotunda::simulator {
 namespace {
@@ -17,39 +14,9 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3f;
 
-constexpr auto kVertexShader = R"(#version 300 es
-layout(location = 0) in vec4 opening;  // clip coordinates when the shutter opens
-layout(location = 1) in vec4 closing;  // and closes
-layout(location = 2) in vec4 light;    // rgb: what falls on the surface; a: grazing reflection
-layout(location = 3) in vec2 corner;
-uniform float moment;  // 0 opening, 1 closing
-uniform vec2 shift;    // of the sampling grid, clip units
-out vec4 light_here;
-out vec2 texel;
-void main() {
-  gl_Position = mix(opening, closing, moment);
-  gl_Position.xy += shift * gl_Position.w;
-  light_here = light;
-  texel = corner;
-})";
-
-// The texture is sRGB: sampling it gives linear reflectance. The target holds square roots for their finer dark steps.
-constexpr auto kFragmentShader = R"(#version 300 es
-precision highp float;
-uniform sampler2D cloth;
-uniform vec3 wall_glow;
-in vec4 light_here;
-in vec2 texel;
-out vec4 colour;
-void main() {
-  vec3 linear = texture(cloth, texel).rgb * light_here.rgb + light_here.a * wall_glow;
-  colour = vec4(sqrt(clamp(linear, 0.0, 1.0)), 1.0);
-})";
-
-struct DrawnVertex {
-  std::array<float, 4> opening, closing, light;
-  Eigen::Vector2f corner;
-};
+constexpr int kBandRows = 16;       // of the picture
+constexpr double kNear = 0.2;       // metres: what is nearer is not drawn
+constexpr float kBrightest = 8.0F;  // of a sample: a glint may saturate its pixel, not its neighbours
 
 struct SeenPoint {
   Vector2d pixel = Vector2d::Zero();
@@ -59,7 +26,7 @@ struct SeenPoint {
 // A figure through one camera, one a vertex.
 struct SeenFigure {
   std::vector<SeenPoint> opening, closing;
-  std::vector<std::array<float, 4>> light;
+  std::vector<SeenLight> light;
 };
 
 SeenPoint see(const capture::CameraModel& camera, const Vector3f& position) {
@@ -69,20 +36,24 @@ SeenPoint see(const capture::CameraModel& camera, const Vector3f& position) {
   return {*pixel, camera.R.row(2).dot(point) + camera.t.z()};
 }
 
-SeenFigure see_figure(const capture::CameraModel& camera, const recon::TriangleMesh& opening,
-                      const recon::TriangleMesh& closing, const std::vector<Vector3f>& light) {
+SurfaceMaterial material_of(const Figure& figure, std::size_t vertex) {
+  return figure.material.empty() ? SurfaceMaterial::cloth : figure.material[vertex];
+}
+
+SeenFigure see_figure(const capture::CameraModel& camera, const LitFigures& figures, std::size_t number,
+                      const Figure& figure, bool is_closed) {
+  const auto &opening = figures.opening[number], &closing = figures.closing[number];
   const Vector3f eye = camera.centre().cast<float>();
   const std::size_t count = opening.positions.size();
-  SeenFigure seen{std::vector<SeenPoint>(count), std::vector<SeenPoint>(count),
-                  std::vector<std::array<float, 4>>(count)};
+  SeenFigure seen{std::vector<SeenPoint>(count), std::vector<SeenPoint>(count), std::vector<SeenLight>(count)};
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 512), [&](const auto& vertices) {
     for (std::size_t v = vertices.begin(); v < vertices.end(); ++v) {
-      const Vector3f& p = opening.positions[v];
+      const Vector3f &p = opening.positions[v], &normal = opening.normals[v];
       seen.opening[v] = see(camera, p);
       seen.closing[v] = closing.positions[v] == p ? seen.opening[v] : see(camera, closing.positions[v]);
-      const float grazing = grazing_reflection(opening.normals[v], (eye - p).normalized());
-      const float around = std::min(1.0F, 4.0F * light[v].z());  // where no light comes, none is reflected
-      seen.light[v] = {light[v].x(), light[v].y(), light[v].z(), grazing * around};
+      const Vector3f to_eye = (eye - p).normalized();
+      if (is_closed && normal.dot(to_eye) < -0.5F) continue;  // no triangle at it is seen
+      seen.light[v] = seen_light(material_of(figure, v), figures.light[number][v], p, normal, to_eye);
     }
   });
   return seen;
@@ -114,106 +85,248 @@ double longest_way(const std::vector<SeenFigure>& seen) {  // of a vertex while 
   return std::sqrt(longest);
 }
 
-// Clip coordinates in which the box fills the viewport, its top row first in memory.
-std::array<float, 4> clip_of(const SeenPoint& seen, const cv::Rect& box) {
-  constexpr double kNear = 0.2, kFar = 50.0;
-  if (seen.depth <= kNear) {
-    const float nowhere = std::numeric_limits<float>::quiet_NaN();
-    return {nowhere, nowhere, nowhere, nowhere};
-  }
-  const double w = seen.depth;
-  const double x = 2.0 * (seen.pixel.x() + 0.5 - box.x) / box.width - 1.0;
-  const double y = 2.0 * (seen.pixel.y() + 0.5 - box.y) / box.height - 1.0;
-  const double z = (kFar + kNear) / (kFar - kNear) - 2.0 * kFar * kNear / ((kFar - kNear) * w);
-  return {static_cast<float>(x * w), static_cast<float>(y * w), static_cast<float>(z * w), static_cast<float>(w)};
-}
-
-// y runs down in pictures: a triangle seen from outside has a negative area there.
-bool is_turned_away(const std::vector<SeenPoint>& seen, const std::array<std::uint32_t, 3>& t) {
-  const Vector2d u = seen[t[1]].pixel - seen[t[0]].pixel, v = seen[t[2]].pixel - seen[t[0]].pixel;
-  return u.x() * v.y() - u.y() * v.x() >= 0.0;
-}
-
-std::vector<DrawnVertex> corners_to_draw(const SeenFigure& seen, const recon::TriangleMesh& surface,
-                                         const cv::Rect& box, std::span<const Eigen::Vector2f> corners,
-                                         bool is_closed) {
-  std::vector<std::array<float, 4>> opening(seen.opening.size()), closing(seen.opening.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, opening.size(), 1024), [&](const auto& vertices) {
-    for (std::size_t v = vertices.begin(); v < vertices.end(); ++v) {
-      opening[v] = clip_of(seen.opening[v], box);
-      closing[v] = clip_of(seen.closing[v], box);
-    }
-  });
-  std::vector<DrawnVertex> drawn;
-  drawn.reserve(3 * surface.triangles.size());
-  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
-    const auto& triangle = surface.triangles[t];
-    if (is_closed && is_turned_away(seen.opening, triangle) && is_turned_away(seen.closing, triangle)) continue;
-    for (std::size_t i = 0; i < 3; ++i) {
-      const std::size_t v = triangle[i];
-      drawn.push_back({opening[v], closing[v], seen.light[v], corners[3 * t + i]});
-    }
-  }
-  return drawn;
-}
-
-// One drawing of the figures: a moment of the exposure, a place of the sampling grid, a part of the target.
+// One drawing of the figures: a moment of the exposure and a place of the sampling grid.
 struct Pass {
-  float moment;    // 0 opening, 1 closing
-  Vector2d shift;  // of the figures, pixels
-  cv::Point tile;  // its upper left corner, samples
+  float moment;           // 0 opening, 1 closing
+  Eigen::Vector2f shift;  // of the figures, pixels
 };
 
 struct Passes {
   int factor = 1;  // samples a pixel along each axis, of each pass
-  cv::Size size;   // of the target, samples
   std::vector<Pass> all;
 };
 
 // As many moments as the fastest vertex goes 1.3 pixels in, and so many samples each that their number stays.
-Passes passes_for(double way_px, int supersampling, cv::Size box) {
+Passes passes_for(double way_px, int supersampling) {
   int count = 1;
   while (count < 8 && way_px > (count == 1 ? 0.2 : 1.3 * count)) count *= 2;
   Passes passes;
   passes.factor = std::max(1, static_cast<int>(std::lround(supersampling / std::sqrt(count))));
-  const int across = count <= 2 ? count : count / 2, down = count / across;
-  const cv::Size tile = box * passes.factor;
-  passes.size = {tile.width * across, tile.height * down};
   constexpr std::array<int, 8> kReversed{0, 4, 2, 6, 1, 5, 3, 7};  // bits: moments and rows have nothing in common
   for (int k = 0; k < count; ++k) {
     const double column = (k + 0.5) / count - 0.5;
     const double row = (kReversed[static_cast<std::size_t>(k)] * count / 8 + 0.5) / count - 0.5;
     const double moment = ((k * 3) % count + 0.5) / count;
-    passes.all.push_back({static_cast<float>(moment),
-                          Vector2d(column, row) / passes.factor,
-                          {k % across * tile.width, k / across * tile.height}});
+    passes.all.push_back({static_cast<float>(moment), (Vector2d(column, row) / passes.factor).cast<float>()});
   }
   return passes;
 }
 
-// Mean over the samples of each pixel, in linear light.
-void filter_down(const cv::Mat& samples, const Passes& passes, FigureLayer& layer) {
-  const int factor = passes.factor;
-  const float share = 1.0F / static_cast<float>(static_cast<std::size_t>(factor * factor) * passes.all.size());
-  const float light = share / (255.0F * 255.0F);
-  tbb::parallel_for(tbb::blocked_range<int>(0, layer.box.height, 8), [&](const auto& rows) {
-    const std::size_t across = static_cast<std::size_t>(layer.box.width);
-    std::vector<std::array<std::uint32_t, 4>> sums(across);
-    for (int y = rows.begin(); y < rows.end(); ++y) {
-      std::fill(sums.begin(), sums.end(), std::array<std::uint32_t, 4>{});
-      for (const Pass& pass : passes.all)
-        for (int j = 0; j < factor; ++j) {
-          const auto* sample = samples.ptr<std::uint8_t>(pass.tile.y + y * factor + j) + 4 * pass.tile.x;
-          for (std::size_t x = 0; x < across; ++x)
-            for (int i = 0; i < factor; ++i, sample += 4)
-              for (std::size_t c = 0; c < 4; ++c) sums[x][c] += std::uint32_t{sample[c]} * sample[c];
-        }
-      auto* out = layer.rgba.ptr<cv::Vec4f>(y);
-      for (std::size_t x = 0; x < across; ++x)
-        for (std::size_t c = 0; c < 4; ++c) out[x][static_cast<int>(c)] = light * static_cast<float>(sums[x][c]);
-    }
-  });
+// A vertex from the box's corner, in pixels.
+struct BoxCorner {
+  float x, y, nearness;
+};
+struct BoxVertex {
+  BoxCorner opening, closing;
+};
+
+BoxCorner in_box(const SeenPoint& seen, const cv::Rect& box) {
+  return {static_cast<float>(seen.pixel.x() + 0.5 - box.x), static_cast<float>(seen.pixel.y() + 0.5 - box.y),
+          static_cast<float>(seen.depth > kNear ? 1.0 / seen.depth : 0.0)};
 }
+
+struct DrawnTriangle {
+  std::uint32_t figure, triangle;
+  std::array<std::uint32_t, 3> vertices;
+};
+
+// Everything a band needs, made once a picture.
+class Drawing {
+ public:
+  Drawing(const std::vector<Figure>& figures, const std::vector<bool>& is_closed, const LitFigures& lit,
+          const std::vector<SeenFigure>& seen, const cv::Rect& box, const Passes& passes)
+      : figures_(figures), seen_(seen), box_(box), passes_(passes) {
+    for (const auto& figure : seen_) {
+      auto& vertices = vertices_.emplace_back(figure.opening.size());
+      tbb::parallel_for(tbb::blocked_range<std::size_t>(0, vertices.size(), 2048), [&](const auto& range) {
+        for (std::size_t v = range.begin(); v < range.end(); ++v)
+          vertices[v] = {in_box(figure.opening[v], box_), in_box(figure.closing[v], box_)};
+      });
+    }
+    by_band_.resize(static_cast<std::size_t>((box_.height + kBandRows - 1) / kBandRows));
+    for (std::size_t figure = 0; figure < seen_.size(); ++figure) sort_into_bands(figure, lit, is_closed[figure]);
+  }
+
+  std::size_t bands() const { return by_band_.size(); }
+
+  void draw(std::size_t band, cv::Mat& rgba) const {
+    const int from = static_cast<int>(band) * kBandRows, to = std::min(from + kBandRows, box_.height);
+    cv::Mat rows = rgba.rowRange(from, to);
+    rows.setTo(cv::Scalar::all(0.0));
+    SampleRaster raster(box_.width * passes_.factor, (to - from) * passes_.factor);
+    std::vector<BandTriangle> triangles;
+    for (const std::uint32_t number : by_band_[band]) triangles.push_back(gathered(drawn_[number]));
+    for (const Pass& pass : passes_.all) {
+      for (std::size_t i = 0; i < triangles.size(); ++i) {
+        triangles[i].corners = corners(drawn_[by_band_[band][i]], pass, from);
+        raster.add(triangles[i].corners, static_cast<std::uint32_t>(i + 1));
+      }
+      shade(raster, triangles, rows);
+      raster.clear();
+    }
+    rows.convertTo(rows, -1, 1.0 / (passes_.factor * passes_.factor * static_cast<double>(passes_.all.size())));
+  }
+
+ private:
+  void sort_into_bands(std::size_t figure, const LitFigures& lit, bool is_closed) {
+    const auto& vertices = vertices_[figure];
+    const auto& triangles = lit.opening[figure].triangles;
+    for (std::size_t t = 0; t < triangles.size(); ++t) {
+      const BoxVertex &a = vertices[triangles[t][0]], &b = vertices[triangles[t][1]], &c = vertices[triangles[t][2]];
+      if (std::min({a.opening.nearness, b.opening.nearness, c.opening.nearness, a.closing.nearness, b.closing.nearness,
+                    c.closing.nearness}) <= 0.0F)
+        continue;
+      if (is_closed && is_turned_away(a.opening, b.opening, c.opening) &&
+          is_turned_away(a.closing, b.closing, c.closing))
+        continue;
+      const auto [low, high] =
+          std::minmax({a.opening.y, b.opening.y, c.opening.y, a.closing.y, b.closing.y, c.closing.y});
+      const int last = static_cast<int>(by_band_.size()) - 1;
+      if (high < -1.0F || low > static_cast<float>(box_.height + 1)) continue;
+      drawn_.push_back({static_cast<std::uint32_t>(figure), static_cast<std::uint32_t>(t), triangles[t]});
+      const int first_band = std::clamp(static_cast<int>(std::floor((low - 1.0F) / kBandRows)), 0, last);
+      const int last_band = std::clamp(static_cast<int>(std::floor((high + 1.0F) / kBandRows)), 0, last);
+      for (int band = first_band; band <= last_band; ++band)
+        by_band_[static_cast<std::size_t>(band)].push_back(static_cast<std::uint32_t>(drawn_.size() - 1));
+    }
+  }
+
+  // y runs down in pictures: a triangle seen from outside has a negative area there.
+  static bool is_turned_away(const BoxCorner& a, const BoxCorner& b, const BoxCorner& c) {
+    return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x) >= 0.0F;
+  }
+
+  SampleTriangle corners(const DrawnTriangle& drawn, const Pass& pass, int from) const {
+    const auto& vertices = vertices_[drawn.figure];
+    const auto factor = static_cast<float>(passes_.factor);
+    SampleTriangle corners;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const auto& [a, b] = vertices[drawn.vertices[i]];
+      corners[i] = {(a.x + pass.moment * (b.x - a.x) + pass.shift.x()) * factor,
+                    (a.y + pass.moment * (b.y - a.y) + pass.shift.y() - static_cast<float>(from)) * factor,
+                    a.nearness + pass.moment * (b.nearness - a.nearness)};
+    }
+    return corners;
+  }
+
+  // What shading asks of a triangle, side by side in memory.
+  struct BandTriangle {
+    SampleTriangle corners;  // of this pass
+    std::array<cv::Vec2f, 3> texel;
+    std::array<SeenLight, 3> light;
+    const cv::Mat* picture;
+  };
+
+  BandTriangle gathered(const DrawnTriangle& drawn) const {
+    const auto& texture = figures_[drawn.figure].texture;
+    BandTriangle triangle{{}, {}, {}, &texture.picture};
+    for (std::size_t i = 0; i < 3; ++i) {
+      const auto& corner = texture.corners[3 * drawn.triangle + i];
+      triangle.texel[i] = {corner.x(), corner.y()};
+      triangle.light[i] = seen_[drawn.figure].light[drawn.vertices[i]];
+    }
+    return triangle;
+  }
+
+  // Samples two by two: what they see of one triangle is shaded once, in their middle.
+  void shade(const SampleRaster& raster, const std::vector<BandTriangle>& triangles, cv::Mat& rows) const {
+    const int factor = passes_.factor;
+    for (int row = 0; row<rows.rows * factor; row += factor> 1 && row % factor + 1 < factor ? 2 : 1) {
+      const bool is_pair = row % factor + 1 < factor;
+      auto [first, last] = raster.touched(row);
+      if (is_pair) {
+        const auto below = raster.touched(row + 1);
+        first = std::min(first, below[0]);
+        last = std::max(last, below[1]);
+      }
+      auto* out = rows.ptr<cv::Vec4f>(row / factor);
+      for (int x = first / factor; x * factor < last; ++x)
+        for (int i = 0; i < factor; i += 2)
+          shade_block(raster, triangles, {x * factor + i, row, std::min(2, factor - i), is_pair ? 2 : 1}, out[x]);
+    }
+  }
+
+  static void shade_block(const SampleRaster& raster, const std::vector<BandTriangle>& triangles, const cv::Rect& block,
+                          cv::Vec4f& sum) {
+    std::array<std::uint32_t, 4> numbers{};
+    std::array<cv::Point2f, 4> places;
+    std::size_t count = 0;
+    for (int y = block.y; y < block.y + block.height; ++y)
+      for (int x = block.x; x < block.x + block.width; ++x) {
+        const auto number = raster.at(x, y);
+        if (number == 0) continue;
+        numbers[count] = number;
+        places[count++] = {static_cast<float>(x) + 0.5F, static_cast<float>(y) + 0.5F};
+      }
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto number = numbers[i];
+      if (number == 0) continue;
+      cv::Point2f middle;
+      float share = 0.0F;
+      for (std::size_t j = i; j < count; ++j)
+        if (numbers[j] == number) {
+          middle += places[j];
+          share += 1.0F;
+          numbers[j] = 0;
+        }
+      const auto& triangle = triangles[number - 1];
+      const Vector3f light = colour_of(triangle, weights_at(triangle.corners, middle.x / share, middle.y / share));
+      sum += share * cv::Vec4f(light.x(), light.y(), light.z(), 1.0F);
+    }
+  }
+
+  static Vector3f colour_of(const BandTriangle& triangle, const Vector3f& weights) {
+    Vector3f diffuse = Vector3f::Zero(), gloss = Vector3f::Zero();
+    float column = 0.0F, row = 0.0F;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const float weight = weights[static_cast<Eigen::Index>(i)];
+      diffuse += weight * triangle.light[i].light;
+      gloss += weight * triangle.light[i].gloss;
+      column += weight * triangle.texel[i][0];
+      row += weight * triangle.texel[i][1];
+    }
+    return (reflectance(*triangle.picture, {column, row}).cwiseProduct(diffuse) + gloss)
+        .cwiseMax(0.0F)
+        .cwiseMin(kBrightest);
+  }
+
+  // Bilinear, of linear light; (0.5, 0.5) is the centre of the first texel.
+  static Vector3f reflectance(const cv::Mat& picture, const Eigen::Vector2f& texel) {
+    const float x = std::clamp(texel.x() - 0.5F, 0.0F, static_cast<float>(picture.cols - 1));
+    const float y = std::clamp(texel.y() - 0.5F, 0.0F, static_cast<float>(picture.rows - 1));
+    const int column = static_cast<int>(x), row = static_cast<int>(y);
+    const float u = x - static_cast<float>(column), v = y - static_cast<float>(row);
+    const auto* upper = picture.ptr<cv::Vec3b>(row) + column;
+    const auto* lower = picture.ptr<cv::Vec3b>(std::min(row + 1, picture.rows - 1)) + column;
+    const int next = column + 1 < picture.cols ? 1 : 0;
+    const auto& linear = linear_of_srgb();
+    Vector3f colour;
+    for (int c = 0; c < 3; ++c)
+      colour[c] = (1.0F - v) * ((1.0F - u) * linear[upper[0][c]] + u * linear[upper[next][c]]) +
+                  v * ((1.0F - u) * linear[lower[0][c]] + u * linear[lower[next][c]]);
+    return colour;
+  }
+
+  static const std::array<float, 256>& linear_of_srgb() {
+    static const auto kTable = [] {
+      std::array<float, 256> table{};
+      for (std::size_t i = 0; i < table.size(); ++i) {
+        const double s = static_cast<double>(i) / 255.0;
+        table[i] = static_cast<float>(s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4));
+      }
+      return table;
+    }();
+    return kTable;
+  }
+
+  const std::vector<Figure>& figures_;
+  const std::vector<SeenFigure>& seen_;
+  const cv::Rect box_;
+  const Passes& passes_;
+  std::vector<std::vector<BoxVertex>> vertices_;
+  std::vector<DrawnTriangle> drawn_;
+  std::vector<std::vector<std::uint32_t>> by_band_;  // of drawn_
+};
 
 // Every edge has its opposite, as on the outside of a solid.
 bool is_outside_of_solid(const recon::TriangleMesh& mesh) {
@@ -231,103 +344,28 @@ bool is_outside_of_solid(const recon::TriangleMesh& mesh) {
   return volume > 0.0 && edges == opposite;
 }
 
-playback::GlTexture upload_picture(const cv::Mat& picture) {
-  auto texture = playback::make_texture();
-  glBindTexture(GL_TEXTURE_2D, texture.get());
-  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
-  glTexImage2D(GL_TEXTURE_2D, 0, GL_SRGB8, picture.cols, picture.rows, 0, GL_RGB, GL_UNSIGNED_BYTE, picture.data);
-  for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
-    glTexParameteri(GL_TEXTURE_2D, filter, GL_LINEAR);
-  for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
-    glTexParameteri(GL_TEXTURE_2D, wrap, GL_CLAMP_TO_EDGE);
-  return texture;
-}
-
 }  // namespace
 
 int default_supersampling(int picture_width) {
   return std::clamp((2800 + picture_width / 2) / picture_width, 2, 8);
 }
 
-FigureRenderer::FigureRenderer(const std::vector<Figure>& figures, int supersampling)
-    : supersampling_(supersampling),
-      program_(playback::make_program(kVertexShader, kFragmentShader)),
-      vertices_(playback::make_buffer()),
-      array_(playback::make_vertex_array()) {
-  for (const auto& figure : figures) drawn_.push_back(upload(figure));
-  glBindVertexArray(array_.get());
-  glBindBuffer(GL_ARRAY_BUFFER, vertices_.get());
-  const auto attribute = [](GLuint location, GLint size, std::size_t offset) {
-    glVertexAttribPointer(location, size, GL_FLOAT, GL_FALSE, sizeof(DrawnVertex),
-                          reinterpret_cast<const void*>(offset));
-    glEnableVertexAttribArray(location);
-  };
-  attribute(0, 4, offsetof(DrawnVertex, opening));
-  attribute(1, 4, offsetof(DrawnVertex, closing));
-  attribute(2, 4, offsetof(DrawnVertex, light));
-  attribute(3, 2, offsetof(DrawnVertex, corner));
+FigureRenderer::FigureRenderer(const std::vector<Figure>& figures) : figures_(figures) {
+  for (const auto& figure : figures_) is_closed_.push_back(is_outside_of_solid(figure.bind));
 }
 
-FigureRenderer::DrawnFigure FigureRenderer::upload(const Figure& figure) {
-  const cv::Mat& picture = figure.texture.picture;
-  DrawnFigure drawn{upload_picture(picture), figure.texture.corners, is_outside_of_solid(figure.bind)};
-  const Eigen::Array2f size(static_cast<float>(picture.cols), static_cast<float>(picture.rows));
-  for (auto& corner : drawn.corners) corner = (corner.array() / size).matrix();
-  return drawn;
-}
-
-const playback::RenderTarget& FigureRenderer::target_for(cv::Size size) {
-  if (!target_ || target_->width() < size.width || target_->height() < size.height) {
-    const int width = std::max(size.width, target_ ? target_->width() : 0);
-    const int height = std::max(size.height, target_ ? target_->height() : 0);
-    target_.reset();
-    target_.emplace(width, height);
-  }
-  return *target_;
-}
-
-FigureLayer FigureRenderer::draw(const capture::CameraModel& camera, const LitFigures& figures) {
+FigureLayer FigureRenderer::draw(const capture::CameraModel& camera, const LitFigures& figures,
+                                 int supersampling) const {
   std::vector<SeenFigure> seen;
-  for (std::size_t i = 0; i < figures.opening.size(); ++i)
-    seen.push_back(see_figure(camera, figures.opening[i], figures.closing[i], figures.light[i]));
+  for (std::size_t i = 0; i < figures_.size(); ++i)
+    seen.push_back(see_figure(camera, figures, i, figures_[i], is_closed_[i]));
   FigureLayer layer;
   layer.box = box_of(seen, camera);
   if (layer.box.empty()) return layer;
-  const auto passes = passes_for(longest_way(seen), supersampling_, layer.box.size());
-  const cv::Size tile = layer.box.size() * passes.factor;
-  target_for(passes.size).bind();
-  glDisable(GL_SCISSOR_TEST);
-  glClearColor(0.0F, 0.0F, 0.0F, 0.0F);
-  glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-  glEnable(GL_SCISSOR_TEST);
-  glEnable(GL_DEPTH_TEST);
-  glDisable(GL_CULL_FACE);  // a renderer that shares the context may have left it on
-  glUseProgram(program_.get());
-  glUniform3fv(playback::uniform(program_, "wall_glow"), 1, kWallGlow.data());
-  const GLint moment = playback::uniform(program_, "moment"), shift = playback::uniform(program_, "shift");
-  glBindVertexArray(array_.get());
-  for (std::size_t i = 0; i < seen.size(); ++i) {
-    const auto vertices =
-        corners_to_draw(seen[i], figures.opening[i], layer.box, drawn_[i].corners, drawn_[i].is_closed);
-    glBindTexture(GL_TEXTURE_2D, drawn_[i].texture.get());
-    glBindBuffer(GL_ARRAY_BUFFER, vertices_.get());
-    glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size() * sizeof(DrawnVertex)), vertices.data(),
-                 GL_STREAM_DRAW);
-    for (const Pass& pass : passes.all) {
-      glViewport(pass.tile.x, pass.tile.y, tile.width, tile.height);
-      glScissor(pass.tile.x, pass.tile.y, tile.width, tile.height);
-      glUniform1f(moment, pass.moment);
-      glUniform2f(shift, static_cast<float>(2.0 * pass.shift.x() / layer.box.width),
-                  static_cast<float>(2.0 * pass.shift.y() / layer.box.height));
-      glDrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(vertices.size()));
-    }
-  }
-  glDisable(GL_SCISSOR_TEST);
-  cv::Mat samples(passes.size, CV_8UC4);
-  glPixelStorei(GL_PACK_ALIGNMENT, 4);
-  glReadPixels(0, 0, samples.cols, samples.rows, GL_RGBA, GL_UNSIGNED_BYTE, samples.data);
   layer.rgba.create(layer.box.size(), CV_32FC4);
-  filter_down(samples, passes, layer);
+  const auto passes = passes_for(longest_way(seen), supersampling);
+  const Drawing drawing(figures_, is_closed_, figures, seen, layer.box, passes);
+  tbb::parallel_for(std::size_t{0}, drawing.bands(), [&](std::size_t band) { drawing.draw(band, layer.rgba); });
   return layer;
 }
 

@@ -212,6 +212,11 @@ bool CacheEntry::read(int frame, std::size_t camera, std::span<std::uint8_t> pic
   return false;
 }
 
+void CacheEntry::announce(int frame) const {
+  const UniqueFd file(::open(file_of(frame).c_str(), O_RDONLY | O_CLOEXEC));
+  if (file) posix_fadvise(file.get(), 0, 0, POSIX_FADV_WILLNEED);
+}
+
 std::optional<PictureSet> CacheEntry::read(int frame) const {
   PictureSet pictures;
   for (std::size_t camera = 0; camera < shape_.picture_bytes.size(); ++camera) {

@@ -38,6 +38,8 @@ class CacheEntry {
   // Fills `picture`, which is as long as the camera's. False if the frame is not there or damaged; what is damaged is
   // removed.
   bool read(int frame, std::size_t camera, std::span<std::uint8_t> picture) const;
+  // Asks the kernel to fetch the frame from disk, in one large read and without waiting; never fails.
+  void announce(int frame) const;
   std::optional<PictureSet> read(int frame) const;
   std::optional<std::vector<PictureSet>> read() const;  // all frames
 

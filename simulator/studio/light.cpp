@@ -15,29 +15,34 @@ constexpr float kFloorGlow = 0.28F;
 }  // namespace
 
 const std::array<Lamp, kLamps>& lamps() {
-  static const std::array<Lamp, kLamps> kRig = {{{{2.8F, 2.2F, 3.4F}, {0.50F, 0.475F, 0.44F}, 0.35F, 1.6F},
-                                                 {{2.6F, -2.6F, 3.2F}, {0.30F, 0.305F, 0.32F}, 0.45F, 2.0F},
-                                                 {{-2.9F, 2.4F, 3.5F}, {0.34F, 0.335F, 0.325F}, 0.40F, 1.8F},
-                                                 {{-2.7F, -2.3F, 3.4F}, {0.36F, 0.36F, 0.365F}, 0.40F, 1.8F},
-                                                 {{0.2F, 0.0F, 4.6F}, {0.26F, 0.255F, 0.25F}, 0.50F, 2.4F}}};
+  static const std::array<Lamp, kLamps> kRig = {{{{3.3F, 2.6F, 4.1F}, {0.62F, 0.59F, 0.545F}, 1.6F},
+                                                 {{3.0F, -3.0F, 4.0F}, {0.36F, 0.365F, 0.385F}, 2.0F},
+                                                 {{-3.3F, 2.7F, 4.1F}, {0.42F, 0.415F, 0.40F}, 1.8F},
+                                                 {{-3.1F, -2.6F, 4.1F}, {0.45F, 0.45F, 0.455F}, 1.8F},
+                                                 {{0.2F, 0.0F, 4.9F}, {0.30F, 0.295F, 0.29F}, 2.4F}}};
   return kRig;
 }
 
-Vector3f irradiance(const Vector3f& position, const Vector3f& normal, float openness, const Visibility& visibility) {
-  Vector3f from_lamps = Vector3f::Zero();
+ArrivingLight arriving_light(const LitPoint& point, SurfaceMaterial material, const Visibility& visibility) {
+  const Vector3f& normal = point.normal;
+  const float crease = (0.3F + 0.7F * point.openness) * std::sqrt(point.openness);
+  ArrivingLight arriving;
   for (std::size_t i = 0; i < kLamps; ++i) {
     const Lamp& lamp = lamps()[i];
-    const Vector3f to_lamp = lamp.place - position;
-    const float falloff = lamp.place.squaredNorm() / to_lamp.squaredNorm();
-    const float facing = (normal.dot(to_lamp.normalized()) + lamp.softness) / (1.0F + lamp.softness);
-    from_lamps += visibility.lamps[i] * falloff * std::max(0.0F, facing) * std::max(0.0F, facing) * lamp.colour;
+    const Vector3f to_lamp = lamp.place - point.position;
+    const float distance = to_lamp.norm();
+    arriving.lamps[i] = crease * visibility.lamps[i] * lamp.place.squaredNorm() / (distance * distance);
+    const Vector3f wrap = look_of(material).wrap + Vector3f::Constant(0.5F * lamp.size / distance);
+    arriving.diffuse +=
+        arriving.lamps[i] * wrapped_cosine(normal.dot(to_lamp) / distance, wrap).cwiseProduct(lamp.colour);
   }
   const float floor_share = 0.5F - 0.5F * normal.z();
-  const float low = std::exp(-std::max(0.0F, position.z()) / 0.5F);
+  const float low = std::exp(-std::max(0.0F, point.position.z()) / 0.5F);
   Vector3f around = Vector3f(0.11F, 0.115F, 0.125F) * (0.6F + 0.4F * normal.z());
   around += kWallGlow * (0.16F + 0.30F * floor_share * (0.5F + low));
-  const float crease = (0.3F + 0.7F * openness) * std::sqrt(openness);
-  return from_lamps * crease + around * openness * (0.25F + 0.75F * visibility.surroundings) * 1.1F;
+  arriving.surroundings = point.openness * (0.25F + 0.75F * visibility.surroundings);
+  arriving.diffuse += 1.1F * arriving.surroundings * around;
+  return arriving;
 }
 
 float floor_light(const Vector3f& position, const Visibility& visibility) {
@@ -49,11 +54,6 @@ float floor_light(const Vector3f& position, const Visibility& visibility) {
     all += share;
   }
   return (1.0F - kFloorGlow) * seen / all + kFloorGlow * visibility.surroundings;
-}
-
-float grazing_reflection(const Vector3f& normal, const Vector3f& to_eye) {
-  const float rest = 1.0F - std::clamp(normal.dot(to_eye), 0.0F, 1.0F);
-  return 0.02F + 0.30F * rest * rest * rest * rest;
 }
 
 }  // namespace rotunda::simulator

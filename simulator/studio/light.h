@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <array>
 
+#include "simulator/studio/material.h"
 #include "simulator/studio/shadow.h"
 
 namespace rotunda::simulator {
@@ -11,21 +12,21 @@ namespace rotunda::simulator {
 struct Lamp {
   Eigen::Vector3f place;   // metres, world
   Eigen::Vector3f colour;  // irradiance of a surface that faces it from the middle of the stage
-  float softness;          // how far past the horizon a surface is still lit: light goes into skin and nap
   float size;              // edge of the soft box, metres
 };
 const std::array<Lamp, kLamps>& lamps();
 
-// Light that falls on a surface point, red, green, blue. `openness`: how much of its nearest surroundings (folds,
-// creases) it sees, 0 to 1; `visibility`: what the figures leave of lamps and walls.
-Eigen::Vector3f irradiance(const Eigen::Vector3f& position, const Eigen::Vector3f& normal, float openness,
-                           const Visibility& visibility);
+struct LitPoint {
+  Eigen::Vector3f position, normal;
+  float openness = 1.0F;  // how much of its nearest surroundings (folds, creases) it sees, 0 to 1
+};
+// Light that falls on a surface point; `visibility`: what the figures leave of lamps and walls.
+ArrivingLight arriving_light(const LitPoint& point, SurfaceMaterial material, const Visibility& visibility);
 
 // What of the lamps' and the walls' light reaches the floor where figures stand in it, 0 to 1.
 float floor_light(const Eigen::Vector3f& position, const Visibility& visibility);
 
-// Blue reflected towards the eye at grazing angles (Schlick 1994, dielectric): the factor of kWallGlow.
-float grazing_reflection(const Eigen::Vector3f& normal, const Eigen::Vector3f& to_eye);
+// What walls and floor throw back.
 inline const Eigen::Vector3f kWallGlow{0.03F, 0.09F, 0.42F};
 
 }  // namespace rotunda::simulator

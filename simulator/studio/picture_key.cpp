@@ -49,7 +49,7 @@ nlohmann::json describe(const CameraSettings& settings) {
 
 nlohmann::json describe(const SensorOptions& sensor) {
   const auto& [full_well, read_noise, vignetting, gain_spread, balance_spread, pixel_spread, hot_pixels, lens_blur,
-               cameras, seed] = sensor;
+               lens_blur_spread, lateral_colour, cameras, seed] = sensor;
   nlohmann::json described{{"full_well", full_well},
                            {"read_noise", read_noise},
                            {"vignetting", vignetting},
@@ -58,19 +58,31 @@ nlohmann::json describe(const SensorOptions& sensor) {
                            {"pixel_spread", pixel_spread},
                            {"hot_pixels", hot_pixels},
                            {"lens_blur", lens_blur},
+                           {"lens_blur_spread", lens_blur_spread},
+                           {"lateral_colour", lateral_colour},
                            {"cameras", nlohmann::json::array()},
                            {"seed", seed}};
   for (const auto& settings : cameras) described["cameras"].push_back(describe(settings));
   return described;
 }
 
+nlohmann::json describe(const BackdropOptions& backdrop) {
+  const auto& [unevenness, wear, gloss, wall_radius, wall_height, seed] = backdrop;
+  return {unevenness, wear, gloss, wall_radius, wall_height, seed};
+}
+
 }  // namespace
 
 PictureKey picture_key(const std::string& performance, const std::vector<capture::CameraModel>& cameras,
-                       const SensorOptions& sensor, capture::PixelFormat format) {
+                       const SensorOptions& sensor, capture::PixelFormat format, const BackdropOptions& backdrop) {
   static const std::string program = digest_of_this_program();
-  nlohmann::json key{{"performance", performance}, {"sensor", describe(sensor)}, {"format", capture::to_string(format)},
-                     {"act_step_s", kActStep},     {"program", program},         {"cameras", nlohmann::json::array()}};
+  nlohmann::json key{{"performance", performance},
+                     {"sensor", describe(sensor)},
+                     {"format", capture::to_string(format)},
+                     {"act_step_s", kActStep},
+                     {"program", program},
+                     {"backdrop", describe(backdrop)},
+                     {"cameras", nlohmann::json::array()}};
   for (const auto& camera : cameras) key["cameras"].push_back(describe(camera));
   PictureKey made{key.dump(1), {}};
   made.digest = digest_of(made.text);

@@ -6,6 +6,7 @@
 #include "capture/camera_model.h"
 #include "capture/frame.h"
 #include "simulator/people/performance.h"
+#include "simulator/studio/painted_room.h"
 #include "simulator/studio/sensor.h"
 
 namespace rotunda::simulator {
@@ -18,7 +19,7 @@ struct PictureKey {
 // `performance`: Performance::fingerprint() or fingerprint_of(). The program that runs is part of the key: another
 // build renders anew.
 PictureKey picture_key(const std::string& performance, const std::vector<capture::CameraModel>& cameras,
-                       const SensorOptions& sensor, capture::PixelFormat format);
+                       const SensorOptions& sensor, capture::PixelFormat format, const BackdropOptions& backdrop = {});
 
 // What Performance::fingerprint() stands for without making the performance, which takes seconds; nothing where files
 // have a say in it.

@@ -1,13 +1,11 @@
 #include "simulator/studio/scene_renderer.h"
 
 #include <tbb/parallel_for.h>
-#include <tbb/task_group.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
-#include <opencv2/imgproc.hpp>
 
 #include "simulator/studio/light.h"
 
@@ -15,20 +13,6 @@ namespace rotunda::simulator {
 namespace {
 
 constexpr std::uint64_t kPlateFrame = std::numeric_limits<std::uint64_t>::max();  // seeds the plate's noise
-
-void lay_figures(const FigureLayer& layer, cv::Mat& linear, cv::Mat& matte) {
-  for (int y = 0; y < layer.box.height; ++y) {
-    auto* pixel = linear.ptr<cv::Vec3f>(layer.box.y + y) + layer.box.x;
-    auto* cover = matte.ptr<std::uint8_t>(layer.box.y + y) + layer.box.x;
-    const auto* figure = layer.rgba.ptr<cv::Vec4f>(y);
-    for (int x = 0; x < layer.box.width; ++x) {
-      const float alpha = figure[x][3];
-      if (alpha <= 0.0F) continue;
-      for (int c = 0; c < 3; ++c) pixel[x][c] = figure[x][c] + pixel[x][c] * (1.0F - alpha);
-      cover[x] = static_cast<std::uint8_t>(std::min(alpha, 1.0F) * 255.0F + 0.5F);
-    }
-  }
-}
 
 // The shutter's opening and closing about a time, within the round of an act that does not close smoothly.
 std::array<double, 2> shutter_times(const Performance& performance, double seconds, double exposure) {
@@ -38,16 +22,17 @@ std::array<double, 2> shutter_times(const Performance& performance, double secon
   return {std::max(opens, start), std::min(closes, start + round - 1e-6)};
 }
 
-std::vector<std::vector<Eigen::Vector3f>> light_on(const std::vector<recon::TriangleMesh>& surfaces,
-                                                   const std::vector<Figure>& figures, const ShadowMaps& maps) {
-  std::vector<std::vector<Eigen::Vector3f>> light;
+std::vector<std::vector<ArrivingLight>> light_on(const std::vector<recon::TriangleMesh>& surfaces,
+                                                 const std::vector<Figure>& figures, const ShadowMaps& maps) {
+  std::vector<std::vector<ArrivingLight>> light;
   for (std::size_t i = 0; i < surfaces.size(); ++i) {
     const auto& surface = surfaces[i];
     auto& lit = light.emplace_back(surface.positions.size());
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, lit.size(), 512), [&](const auto& vertices) {
       for (std::size_t v = vertices.begin(); v < vertices.end(); ++v)
-        lit[v] = irradiance(surface.positions[v], surface.normals[v], figures[i].openness[v],
-                            maps.at(surface.positions[v], surface.normals[v]));
+        lit[v] = arriving_light({surface.positions[v], surface.normals[v], figures[i].openness[v]},
+                                figures[i].material.empty() ? SurfaceMaterial::cloth : figures[i].material[v],
+                                maps.at(surface.positions[v], surface.normals[v]));
     });
   }
   return light;
@@ -57,25 +42,23 @@ std::vector<std::vector<Eigen::Vector3f>> light_on(const std::vector<recon::Tria
 
 struct SceneRenderer::Moment {
   double seconds = 0.0;
-  std::vector<std::vector<Eigen::Vector3f>> light;  // on each figure's vertices
+  std::vector<std::vector<ArrivingLight>> light;  // on each figure's vertices
   ContactShadow shadow;
   std::map<double, LitFigures> by_exposure;
 };
 
 SceneRenderer::SceneRenderer(const Performance& performance, std::vector<capture::CameraModel> cameras,
-                             SensorOptions sensor)
-    : performance_(performance), cameras_(std::move(cameras)), options_(std::move(sensor)) {
-  std::map<int, FigureRenderer*> by_supersampling;
+                             SensorOptions sensor, const BackdropOptions& backdrop)
+    : performance_(performance),
+      cameras_(std::move(cameras)),
+      options_(std::move(sensor)),
+      figures_(performance_.figures()) {
+  const auto room = room_around(cameras_, backdrop);
   for (const auto& camera : cameras_) {
-    backdrops_.push_back(make_backdrop(camera));
+    backdrops_.push_back(make_backdrop(camera, room));
+    lenses_.push_back(lens_flaws(camera, lenses_.size(), options_));
+    look_through(lenses_.back(), backdrops_.back().linear);
     sensors_.emplace_back(cv::Size(camera.width, camera.height), sensors_.size(), options_);
-    auto& renderer = by_supersampling[default_supersampling(camera.width)];
-    if (!renderer)
-      renderer = renderers_
-                     .emplace_back(
-                         std::make_unique<FigureRenderer>(performance_.figures(), default_supersampling(camera.width)))
-                     .get();
-    renderer_of_.push_back(renderer);
   }
 }
 
@@ -104,38 +87,32 @@ ScenePicture SceneRenderer::develop(std::size_t camera, const FigureLayer& layer
   ScenePicture picture;
   picture.matte = cv::Mat(linear.size(), CV_8UC1, cv::Scalar(0));
   lay_shadow(backdrops_[camera], shadow, linear);
-  if (!layer.box.empty() && options_.lens_blur_px > 0.0)
-    cv::GaussianBlur(layer.rgba, layer.rgba, {5, 5}, options_.lens_blur_px, 0, cv::BORDER_REPLICATE);
-  lay_figures(layer, linear, picture.matte);
+  lay_figures(lenses_[camera], layer, linear, picture.matte);
   picture.deep = sensors_[camera].expose(linear, frame);
   picture.rgb = to_8bit(picture.deep);
   return picture;
 }
 
-ScenePicture SceneRenderer::picture(std::size_t camera, double seconds, std::uint64_t frame) {
-  auto moment = moment_at(seconds);
-  return develop(camera, renderer_of_[camera]->draw(cameras_[camera], figures_of(moment, camera)), moment.shadow,
-                 frame);
+FigureLayer SceneRenderer::figures_before(std::size_t camera, Moment& moment) const {
+  return figures_.draw(cameras_[camera], figures_of(moment, camera), default_supersampling(cameras_[camera].width));
 }
 
-// This thread draws; what comes after drawing goes on beside it, at most a few pictures behind.
-std::vector<ScenePicture> SceneRenderer::pictures(double seconds, std::uint64_t frame) {
+ScenePicture SceneRenderer::picture(std::size_t camera, double seconds, std::uint64_t frame) const {
   auto moment = moment_at(seconds);
+  return develop(camera, figures_before(camera, moment), moment.shadow, frame);
+}
+
+std::vector<ScenePicture> SceneRenderer::pictures(double seconds, std::uint64_t frame) const {
+  auto moment = moment_at(seconds);
+  for (std::size_t camera = 0; camera < cameras_.size(); ++camera) figures_of(moment, camera);
   std::vector<ScenePicture> pictures(cameras_.size());
-  tbb::task_group developing;
-  constexpr std::size_t kAhead = 8;
-  for (std::size_t camera = 0; camera < cameras_.size(); ++camera) {
-    if (camera % kAhead == 0) developing.wait();  // figures are large: not all of 64 cameras' at once
-    developing.run([this, &pictures, &moment, camera, frame,
-                    layer = renderer_of_[camera]->draw(cameras_[camera], figures_of(moment, camera))] {
-      pictures[camera] = develop(camera, layer, moment.shadow, frame);
-    });
-  }
-  developing.wait();
+  tbb::parallel_for(std::size_t{0}, pictures.size(), [&](std::size_t camera) {
+    pictures[camera] = develop(camera, figures_before(camera, moment), moment.shadow, frame);
+  });
   return pictures;
 }
 
-cv::Mat SceneRenderer::clean_plate(std::size_t camera) {
+cv::Mat SceneRenderer::clean_plate(std::size_t camera) const {
   return to_8bit(sensors_[camera].expose(backdrops_[camera].linear, kPlateFrame));
 }
 

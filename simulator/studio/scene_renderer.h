@@ -1,13 +1,10 @@
 #pragma once
 // The studio as its cameras see it: backdrop, shadow, figures, lens, sensor. Deterministic: a picture is a fixed
-// function of performance, camera, time, frame number and sensor options. Owns an OpenGL context: use it from the
-// thread that made it, with no other context current there.
-#include <memory>
-
-#include "playback/display/headless.h"
+// function of performance, camera, time, frame number and sensor options, on any number of threads.
 #include "simulator/people/performance.h"
 #include "simulator/studio/backdrop.h"
 #include "simulator/studio/figure_renderer.h"
+#include "simulator/studio/lens.h"
 #include "simulator/studio/sensor.h"
 
 namespace rotunda::simulator {
@@ -22,33 +19,35 @@ struct ScenePicture {
 class SceneRenderer {
  public:
   // `performance` is lent.
-  SceneRenderer(const Performance& performance, std::vector<capture::CameraModel> cameras, SensorOptions sensor = {});
+  SceneRenderer(const Performance& performance, std::vector<capture::CameraModel> cameras, SensorOptions sensor = {},
+                const BackdropOptions& backdrop = {});
   ~SceneRenderer();
 
   // The performance at a time before camera `camera`; `frame` seeds the noise.
-  ScenePicture picture(std::size_t camera, double seconds, std::uint64_t frame);
+  ScenePicture picture(std::size_t camera, double seconds, std::uint64_t frame) const;
   // All cameras of one moment: surfaces, light and shadows are worked out once.
-  std::vector<ScenePicture> pictures(double seconds, std::uint64_t frame);
-  cv::Mat clean_plate(std::size_t camera);  // the empty studio, with noise
+  std::vector<ScenePicture> pictures(double seconds, std::uint64_t frame) const;
+  cv::Mat clean_plate(std::size_t camera) const;  // the empty studio, with noise
 
   const Performance& performance() const { return performance_; }
   const std::vector<capture::CameraModel>& cameras() const { return cameras_; }
+  const SensorOptions& sensor() const { return options_; }
 
  private:
   struct Moment;  // what all cameras see of one time
   Moment moment_at(double seconds) const;
   const LitFigures& figures_of(Moment& moment, std::size_t camera) const;
+  FigureLayer figures_before(std::size_t camera, Moment& moment) const;
   ScenePicture develop(std::size_t camera, const FigureLayer& layer, const ContactShadow& shadow,
                        std::uint64_t frame) const;
 
   const Performance& performance_;
   std::vector<capture::CameraModel> cameras_;
   SensorOptions options_;
+  FigureRenderer figures_;
   std::vector<Sensor> sensors_;
-  playback::HeadlessDisplay display_;
+  std::vector<LensFlaws> lenses_;
   std::vector<Backdrop> backdrops_;
-  std::vector<std::unique_ptr<FigureRenderer>> renderers_;  // by supersampling: one for each picture width
-  std::vector<FigureRenderer*> renderer_of_;                // of each camera
 };
 
 }  // namespace rotunda::simulator

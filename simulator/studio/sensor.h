@@ -29,6 +29,9 @@ struct SensorOptions {
   double pixel_spread = 0.004;      // standard deviation of the pixels' sensitivity (PRNU)
   double hot_pixels_per_mega = 40;  // of a million pixels
   double lens_blur_px = 0.40;       // standard deviation of the lens's point spread, pixels
+  double lens_blur_spread = 0.25;   // how much lenses differ in it, a fraction either way
+  double lateral_colour_px = 0.25;  // red lies so much farther out in the picture's corner, blue 0.7 of it farther in;
+                                    // lenses differ by half of it
   std::vector<CameraSettings> cameras;  // one each; those beyond the end have the defaults
   std::uint32_t seed = 1;
 };

@@ -34,8 +34,8 @@ int nearest_frame(double seconds, int frames) {
   return static_cast<int>(std::lround(seconds / kActStep)) % frames;
 }
 
-json describe(const Performance& performance, const std::vector<capture::CameraModel>& cameras,
-              const std::string& key) {
+json describe(const Performance& performance, const std::vector<capture::CameraModel>& cameras, const std::string& key,
+              const SensorOptions& sensor) {
   json truth{{"key", key},
              {"person", performance.person()},
              {"act", performance.act()},
@@ -43,8 +43,14 @@ json describe(const Performance& performance, const std::vector<capture::CameraM
              {"act_step_ns", 40'000'000},
              {"is_cyclic", performance.is_cyclic()},
              {"cameras", json::array()},
+             {"lenses", json::array()},
              {"heel_strikes", json::array()}};
   for (const auto& camera : cameras) truth["cameras"].push_back(camera.name);
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    const auto lens = lens_flaws(cameras[i], i, sensor);
+    truth["lenses"].push_back(
+        {{"blur_px", lens.blur_px}, {"red_scale", lens.red_scale}, {"blue_scale", lens.blue_scale}});
+  }
   for (const auto& strike : performance.heel_strikes())
     truth["heel_strikes"].push_back({{"seconds", strike.seconds},
                                      {"act_frame", nearest_frame(strike.seconds, performance.frames())},
@@ -135,7 +141,8 @@ cv::Mat true_depth(const capture::CameraModel& camera, const std::vector<recon::
 }
 
 TruthFiles::TruthFiles(fs::path directory, const Performance& performance,
-                       const std::vector<capture::CameraModel>& cameras, int frames, const std::string& key)
+                       const std::vector<capture::CameraModel>& cameras, int frames, const std::string& key,
+                       const SensorOptions& sensor)
     : directory_(std::move(directory)), performance_(performance), cameras_(cameras) {
   const bool is_continued = !key.empty() && key_in(directory_ / "truth.json") == key;
   for (std::size_t figure = 0; figure < performance.figures().size(); ++figure) {
@@ -150,7 +157,7 @@ TruthFiles::TruthFiles(fs::path directory, const Performance& performance,
   write_json(directory_ / "joints.json", joints_of(performance, frames));
   if (performance.act() == "board") write_json(directory_ / "board.json", board_poses(frames));
   if (performance.board_at(0.0)) write_board(directory_ / "board.yaml");
-  write_json(directory_ / "truth.json", describe(performance, cameras, key));
+  write_json(directory_ / "truth.json", describe(performance, cameras, key, sensor));
 }
 
 bool TruthFiles::has(int frame) const {
@@ -162,8 +169,7 @@ void TruthFiles::write_frame(int frame, const std::vector<ScenePicture>& picture
   const auto name = frame_name(frame);
   tbb::parallel_for(std::size_t{0}, cameras_.size(), [&](std::size_t camera) {
     capture::write_png(directory_ / "mattes" / cameras_[camera].name / (name + ".png"), pictures[camera].matte);
-    write_depth(directory_ / "depth" / cameras_[camera].name / (name + ".exr"),
-                true_depth(cameras_[camera], surfaces));
+    write_depth(directory_ / "depth" / cameras_[camera].name / (name + ".exr"), true_depth(cameras_[camera], surfaces));
   });
   for (std::size_t figure = surfaces.size(); figure-- > 0;)
     write_whole(mesh_folder(directory_, figure) / (name + ".ply"),

@@ -6,6 +6,7 @@
 #include "capture/camera_model.h"
 #include "capture/frame.h"
 #include "simulator/people/performance.h"
+#include "simulator/studio/sensor.h"
 
 namespace rotunda::simulator {
 
@@ -21,9 +22,10 @@ cv::Mat true_depth(const capture::CameraModel& camera, const std::vector<recon::
 class TruthFiles {
  public:
   // Writes what holds for all act frames. Frames of the same `key` that an earlier run has written are kept, those of
-  // another are removed; without a key all are.
+  // another are removed; without a key all are. `sensor`: what the cameras' lenses were told to get wrong.
   TruthFiles(std::filesystem::path directory, const Performance& performance,
-             const std::vector<capture::CameraModel>& cameras, int frames, const std::string& key = {});
+             const std::vector<capture::CameraModel>& cameras, int frames, const std::string& key = {},
+             const SensorOptions& sensor = {});
 
   bool has(int frame) const;
   void write_frame(int frame, const std::vector<ScenePicture>& pictures) const;  // of all cameras

@@ -1,5 +1,6 @@
 // Footage streamed from the frame cache: SECONDS of ten cameras of 720 x 576 at 25 Hz, each picture asked for when its
-// exposure is over, as the cameras' sender does; beside it the same bytes at the same times by bare pread(). The file
+// exposure is over, as the cameras' sender does; beside it the same bytes as
+// fast as the disk gives them, and at the same times by bare pread(). The file
 // cache of the kernel is emptied of them before each. Prints pictures late, resident memory, CPU, and how long opening
 // takes.
 //   cache_bench [seconds]     writes 104 MB a second of footage to the folder for temporary files
@@ -99,11 +100,35 @@ void print(const char* what, const Run& run) {
              run.resident, run.slowest_ms);
 }
 
-void bare_run(const fs::path& folder, int frames) {
+std::vector<fs::path> frame_files(const fs::path& folder) {
   std::vector<fs::path> files;
   for (const auto& item : fs::recursive_directory_iterator(folder))
     if (item.path().extension() == ".pictures") files.push_back(item.path());
   std::sort(files.begin(), files.end());
+  return files;
+}
+
+// What the disk gives at most, now: all footage read one file after the other without a pause.
+void disk_alone(const fs::path& folder) {
+  std::vector<char> memory(kCameras * kPictureBytes + 4096);
+  double bytes = 0.0, slowest = 0.0;
+  const auto begun = std::chrono::steady_clock::now();
+  for (const auto& path : frame_files(folder)) {
+    const auto before = std::chrono::steady_clock::now();
+    const capture::UniqueFd file(open(path.c_str(), O_RDONLY | O_CLOEXEC));
+    const auto got = pread(file.get(), memory.data(), memory.size(), 0);
+    if (got < 0) throw std::system_error(errno, std::generic_category(), path.string());
+    bytes += static_cast<double>(got);
+    slowest =
+        std::max(slowest, std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - before).count());
+  }
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begun;
+  fmt::print("{:<12} {:.0f} MB/s ({:.0f} are needed), slowest frame set {:.1f} ms\n", "disk alone",
+             1e-6 * bytes / took.count(), 25e-6 * static_cast<double>(kCameras * kPictureBytes), slowest);
+}
+
+void bare_run(const fs::path& folder, int frames) {
+  const auto files = frame_files(folder);
   std::vector<char> memory(kCameras * kPictureBytes);
   print("bare pread", at_the_rate(frames, [&](int frame) {
           const auto& path = files.at(static_cast<std::size_t>(frame));
@@ -141,6 +166,8 @@ void run(int seconds) {
   } const removed{folder};
   write_footage(folder, frames);
   fmt::print("{} frame sets, {:.0f} MB\n", frames, 1e-6 * frames * static_cast<double>(kCameras * kPictureBytes));
+  forget_files_of(folder);
+  disk_alone(folder);
   forget_files_of(folder);
   bare_run(folder, frames);
   forget_files_of(folder);

@@ -6,7 +6,6 @@
 #include <cstdlib>
 #include <ctime>
 
-#include "playback/display/headless.h"
 #include "simulator/people/performance.h"
 #include "simulator/studio/camera_layout.h"
 #include "simulator/studio/light.h"
@@ -37,7 +36,6 @@ void measure(const char* name, int images, const Work& work) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  playback::keep_scene_memory();
   const int moments = argc > 1 ? std::atoi(argv[1]) : 5;
   simulator::LayoutOptions layout;
   if (argc > 3) layout.width = std::atoi(argv[2]), layout.height = std::atoi(argv[3]);
@@ -61,10 +59,15 @@ int main(int argc, char** argv) {
     for (int i = 0; i < moments; ++i) simulator::contact_shadow(surfaces, simulator::ShadowMaps(surfaces));
   });
   simulator::LitFigures lit{walk->surfaces_at(0.1975), walk->surfaces_at(0.2025), {}};
-  lit.light.emplace_back(surfaces.front().positions.size(), Eigen::Vector3f::Constant(0.7F));
-  simulator::FigureRenderer renderer(walk->figures(), simulator::default_supersampling(layout.width));
+  auto& light = lit.light.emplace_back();
+  for (std::size_t v = 0; v < surfaces.front().positions.size(); ++v)
+    light.push_back(simulator::arriving_light({surfaces.front().positions[v], surfaces.front().normals[v], 1.0F},
+                                              walk->figures().front().material[v], {}));
+  const simulator::FigureRenderer renderer(walk->figures());
   measure("figures", images, [&] {
-    for (int i = 0; i < images; ++i) renderer.draw(cameras[static_cast<std::size_t>(i) % cameras.size()], lit);
+    for (int i = 0; i < images; ++i)
+      renderer.draw(cameras[static_cast<std::size_t>(i) % cameras.size()], lit,
+                    simulator::default_supersampling(layout.width));
   });
   const auto backdrop = simulator::make_backdrop(cameras.front());
   const simulator::Sensor sensor(backdrop.linear.size(), 0, {});

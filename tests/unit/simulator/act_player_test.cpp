@@ -84,7 +84,8 @@ TEST_F(ActPlayerTest, StreamsTheActRoundAndRoundReadingAhead) {
   const auto counts = player->counts();
   EXPECT_EQ(counts.unexpected, kCameras);  // the first of each
   EXPECT_EQ(counts.damaged, 0U);
-  EXPECT_GT(counts.from_disk, kCameras * kFrames);
+  EXPECT_GE(counts.from_disk + counts.unexpected + counts.late, kCameras * kFrames);  // all of it was read
+  EXPECT_GT(counts.from_disk, kCameras * kFrames / 2);                                // and most ahead
 }
 
 TEST_F(ActPlayerTest, FollowsATriggerOfAnyRateAndItsJumps) {

@@ -71,6 +71,10 @@ TEST_F(FrameCacheTest, EverythingThatDeterminesPixelsIsInTheKey) {
   EXPECT_NE(picture_key("p", moved, {}, PixelFormat::mono8).digest, plain);
   SensorOptions noisy;
   noisy.seed = 2;
+  SensorOptions colourful;
+  colourful.lateral_colour_px = 1.0;
+  EXPECT_NE(picture_key("p", cameras, colourful, PixelFormat::mono8).digest, plain);
+  EXPECT_NE(picture_key("p", cameras, {}, PixelFormat::mono8, {.wear = 2.0}).digest, plain);
   EXPECT_NE(picture_key("p", cameras, noisy, PixelFormat::mono8).digest, plain);
   EXPECT_TRUE(fingerprint_of({}));
   EXPECT_NE(fingerprint_of({.act = "idle"}), fingerprint_of({.act = "walk"}));
