@@ -15,6 +15,7 @@ using Eigen::Vector3d;
 constexpr double kForever = 1e6;  // seconds
 constexpr double kRounding = 1e-9;
 constexpr double kClearance = 0.014;                   // of a swinging foot at the least (Winter 1991: 13 mm), metres
+constexpr double kClearing = 0.07;                     // seconds after toe-off in which it gets there
 constexpr double kFlat = 0.4;                          // part of the stance at which the sole is flat in every gait
 constexpr double kFirstPush = 0.6, kLastStrike = 0.5;  // of a full step's foot pitch, from and to a stand
 
@@ -192,7 +193,8 @@ LegPlacement Gait::swing(const Contact& from, const Contact& to, double seconds,
   leg.knee = {std::cos(yaw), std::sin(yaw), 0.0};
   leg.toe_bend = std::max(0.0, -pitch_now) * (1.0 - smooth_step((t - 0.1) / 0.4));  // the toes straighten
   leg.slack = 1.2 * std::min(seconds - from.off, to.on - seconds);
-  sole_.lift_over_floor(leg, scale_ * kClearance * std::pow(std::sin(std::numbers::pi * t), 2));
+  const double clear = smooth_step((seconds - from.off) / kClearing) * smooth_step((to.on - seconds) / (0.5 * width));
+  sole_.lift_over_floor(leg, scale_ * kClearance * clear);
   return leg;
 }
 
