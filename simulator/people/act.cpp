@@ -17,7 +17,7 @@ struct ActRow {
   std::string_view name;
   acts::MakeMotion* motion;
 };
-constexpr std::array<ActRow, 13> kActs = {{{"walk", acts::walk},
+constexpr std::array<ActRow, 14> kActs = {{{"walk", acts::walk},
                                            {"jog", acts::jog},
                                            {"idle", acts::idle},
                                            {"a-pose", acts::a_pose},
@@ -29,7 +29,8 @@ constexpr std::array<ActRow, 13> kActs = {{{"walk", acts::walk},
                                            {"turn", acts::turn},
                                            {"capoeira", acts::capoeira},
                                            {"dance", acts::dance},
-                                           {"hands-on-hips", acts::hands_on_hips}}};
+                                           {"hands-on-hips", acts::hands_on_hips},
+                                           {"board", acts::board}}};
 
 }  // namespace
 

@@ -102,6 +102,24 @@ class Performer {
     }
     stand_on(skeleton_, pose, legs);
     for (const auto& plant : table_.hands) reach_for(pose, plant, seconds);
+    if (!table_.holds) return;
+    for (const Side side : {Side::left, Side::right}) hold(pose, side, table_.holds(side, seconds));
+  }
+
+  void hold(Pose& pose, Side side, const HandHold& held) const {
+    if (held.share <= 0.0) return;
+    HandPlacement hand = hand_of(skeleton_, pose, side);
+    hand.wrist += held.share * (held.hand.wrist - hand.wrist);
+    hand.hand = hand.hand.slerp(held.share, held.hand.hand);
+    hand.elbow = (hand.elbow + held.share * (held.hand.elbow - hand.elbow)).normalized();
+    place_hand(skeleton_, pose, side, hand);
+    Pose gripping = pose;
+    curl_fingers(gripping, side, held.curl);
+    gripping.rotation[index(on_side(Joint::thumb1_left, side))] =
+        Eigen::AngleAxisd(-sign_of(side) * held.thumb, Vector3d::UnitX());
+    const std::size_t last = index(on_side(Joint::little2_left, side));
+    for (std::size_t i = index(on_side(Joint::thumb1_left, side)); i <= last; ++i)
+      pose.rotation[i] = pose.rotation[i].slerp(held.share, gripping.rotation[i]);
   }
 
   double hand_share(const HandPlant& plant, double seconds) const {

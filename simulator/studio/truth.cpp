@@ -74,7 +74,8 @@ json joints_of(const Performance& performance, int frames) {
 }
 
 json board_poses(int frames) {
-  json file{{"frames", json::array()}};
+  json file{{"corners", json::array()}, {"frames", json::array()}};
+  for (const auto& corner : board_corners()) file["corners"].push_back(numbers(corner));
   for (int frame = 0; frame < frames; ++frame) {
     const Eigen::Isometry3d pose = board_pose(act_seconds(frame));
     file["frames"].push_back({{"position", numbers(Eigen::Vector3d(pose.translation()))},

@@ -12,5 +12,6 @@ MakeMotion idle_walk, walk_idle, walk_jog, jog_walk;  // changing_gait.cpp
 MakeMotion kick, turn;                                // kick.cpp
 MakeMotion capoeira;                                  // capoeira.cpp
 MakeMotion dance;                                     // dance.cpp
+MakeMotion board;                                     // board.cpp
 
 }  // namespace rotunda::simulator::acts
