@@ -77,6 +77,7 @@ class AravisSource final : public Source {
   std::uint64_t finished_seen_ = 0, ignored_seen_ = 0;
 
   GRef<ArvCamera> camera_;
+  ArvPixelFormat pixel_format_ = 0;  // that frames must have, since arm()
   GRef<ArvStream> stream_;
   std::shared_ptr<BufferPool> pool_;
 };
@@ -115,6 +116,7 @@ void AravisSource::arm() {
   require(SourceState::open, "armed");
   SourceDescription description = configure_camera(camera_.get(), settings_);
   const StreamChannel channel = configure_stream_channel(camera_.get(), settings_);
+  pixel_format_ = arv_camera_get_pixel_format(camera_.get(), nullptr);
   {
     const std::lock_guard lock(mutex_);
     description_ = std::move(description);
@@ -254,7 +256,8 @@ void AravisSource::on_stream(void* self, ArvStreamCallbackType type, ArvBuffer*)
 bool AravisSource::is_whole(ArvBuffer* buffer) const {
   return arv_buffer_get_status(buffer) == ARV_BUFFER_STATUS_SUCCESS &&
          arv_buffer_get_image_width(buffer) == description_.width &&
-         arv_buffer_get_image_height(buffer) == description_.height;
+         arv_buffer_get_image_height(buffer) == description_.height &&
+         arv_buffer_get_image_pixel_format(buffer) == pixel_format_;
 }
 
 Frame AravisSource::frame_in(ArvBuffer* buffer, const std::uint8_t* data) {

@@ -21,8 +21,8 @@ std::string rig_text(const SmallRig& rig, const std::string& name) {
       "name: {0}\ncalibration: {0}.calibration.yaml\n"
       "trigger: {{ mode: action, rate_hz: {1}, lead_periods: 4, interface: 127.0.0.1 }}\n"
       "storage: {{ reserve_mb: {2} }}\n"
-      "camera_defaults: {{ pixel_format: {3}, width: {4}, height: {5}, packet_size: 8900 }}\ncameras:\n",
-      name, kRate, rig.reserve_mb, rig.pixel_format, kWidth, kHeight);
+      "camera_defaults: {{ pixel_format: {3}, width: {4}, height: {5}, packet_size: {6} }}\ncameras:\n",
+      name, rig.rate_hz, rig.reserve_mb, rig.pixel_format, kWidth, kHeight, rig.packet_size);
   for (int i = 0; i < rig.cameras; ++i)
     text += fmt::format("  - {{ name: cam{:02}, address: 127.0.0.{} }}\n", i, i + 1);
   return text;

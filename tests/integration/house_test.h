@@ -23,6 +23,8 @@ struct SmallRig {
   int cameras = 3;
   std::string pixel_format = "BayerRG8";
   double reserve_mb = 1.0;
+  int packet_size = 8900;  // bytes, all headers
+  double rate_hz = kRate;
 };
 
 // Programs and files, no network.
