@@ -21,7 +21,7 @@ using Words = std::set<std::string>;
 const Words kFormats{"Mono8", "BayerRG8", "BayerGR8", "BayerGB8", "BayerBG8", "BayerRG12p"};
 const Words kTriggerModes{"action", "software", "line", "freerun"};
 const Words kBackdrops{"blue", "green"};
-const Words kSources{"aravis"};
+const Words kSources{"aravis", "replay"};
 const std::vector<std::string> kFindBy{"address", "serial", "user_name", "mac"};
 
 std::string one_of(const Words& words) {

@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "capture/source/aravis_source.h"
+#include "capture/source/replay_source.h"
 #include "config/errors.h"
 
 namespace rotunda::capture {
@@ -21,6 +22,7 @@ struct SourceKind {
 
 constexpr std::array source_table{
     SourceKind{"aravis", make_aravis_source, discover_aravis_cameras},
+    SourceKind{"replay", make_replay_source, discover_replay_cameras},
 };
 
 }  // namespace

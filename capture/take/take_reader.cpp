@@ -143,13 +143,16 @@ FrameSlot TakeReader::read(std::size_t index, std::size_t camera) const {
 FrameSet TakeReader::read(std::size_t index) const {
   FrameSet set;
   set.trigger = info_.first_trigger + index;
-  const double since_start = static_cast<double>(index) / info_.fps * 1e9;
-  set.time = info_.start + std::chrono::nanoseconds(std::llround(since_start));
-  for (std::size_t camera = 0; camera < files_.size(); ++camera) {
-    set.slots.push_back(read(index, camera));
-    if (const StoredFrame* stored = find(index, camera)) set.time = stored->record->trigger_time;
-  }
+  set.time = time_of(index);
+  for (std::size_t camera = 0; camera < files_.size(); ++camera) set.slots.push_back(read(index, camera));
   return set;
+}
+
+Timestamp TakeReader::time_of(std::size_t index) const {
+  for (std::size_t camera = 0; camera < files_.size(); ++camera)
+    if (const StoredFrame* stored = find(index, camera)) return stored->record->trigger_time;
+  const double since_start = static_cast<double>(index) / info_.fps * 1e9;
+  return info_.start + std::chrono::nanoseconds(std::llround(since_start));
 }
 
 }  // namespace rotunda::capture

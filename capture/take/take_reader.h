@@ -28,6 +28,7 @@ class TakeReader {
   // Frame set `index`, trigger info().first_trigger + index. Throws InvalidInput beyond the last, std::system_error
   // if the disk fails.
   FrameSet read(std::size_t index) const;
+  Timestamp time_of(std::size_t index) const;  // the moment its trigger was scheduled for
   // One camera's slot of it, cheaper if only that is wanted; `camera` as in info().cameras.
   FrameSlot read(std::size_t index, std::size_t camera) const;
 

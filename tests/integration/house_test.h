@@ -25,6 +25,7 @@ struct SmallRig {
   double reserve_mb = 1.0;
   int packet_size = 8900;  // bytes, all headers
   double rate_hz = kRate;
+  int queue_frame_sets = 50;
 };
 
 // Programs and files, no network.
