@@ -9,6 +9,7 @@
 #include "capture/source/aravis_handle.h"
 #include "capture/source/stream_socket.h"
 #include "config/errors.h"
+#include "tests/support/device_error.h"
 #include "tests/support/private_network.h"
 
 namespace rotunda::capture {
@@ -16,16 +17,7 @@ namespace {
 
 using namespace std::chrono_literals;
 using testing::HasSubstr;
-
-template <class Call>
-std::string device_error_of(Call call) {
-  try {
-    call();
-  } catch (const DeviceError& error) {
-    return error.what();
-  }
-  return "no DeviceError";
-}
+using tests::device_error_of;
 
 class AravisSourceTest : public testing::Test {
  protected:

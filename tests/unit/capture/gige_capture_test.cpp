@@ -12,6 +12,7 @@
 #include "capture/sync/frame_set_assembler.h"
 #include "capture/sync/trigger.h"
 #include "config/errors.h"
+#include "tests/support/device_error.h"
 #include "tests/support/gige_test_studio.h"
 #include "tests/support/private_network.h"
 
@@ -20,6 +21,7 @@ namespace {
 
 using namespace std::chrono_literals;
 using testing::HasSubstr;
+using tests::device_error_of;
 
 constexpr double rate_hz = 5;  // slow enough for a loaded machine under the sanitizers
 constexpr std::uint32_t device_key = 0x52544441, group_key = 1, group_mask = 1;
@@ -94,16 +96,6 @@ std::vector<SourceSettings> settings_of_all(const tests::TestStudio& studio) {
   std::vector<SourceSettings> all;
   for (const auto& camera : studio.cameras()) all.push_back(settings_of(camera));
   return all;
-}
-
-template <class Call>
-std::string device_error_of(Call call) {
-  try {
-    call();
-  } catch (const DeviceError& error) {
-    return error.what();
-  }
-  return "no DeviceError";
 }
 
 class GigeCaptureTest : public testing::Test {
