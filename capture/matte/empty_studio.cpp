@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "config/errors.h"
@@ -14,7 +15,8 @@ constexpr std::size_t kMostPictures = 256;
 // A still pixel's deviation over a few dozen pictures stays within half of its neighbours'; eight-bit steps add up to
 // half a level.
 constexpr double kMovingAbove = 3.0, kStep = 0.5;
-constexpr int kLevels = 16;  // of brightness: shot noise grows with it
+constexpr int kLevels = 16;             // of brightness: shot noise grows with it
+constexpr double kFewestShare = 0.005;  // of the pixels; a level with fewer has no measure of its own
 
 cv::Mat deviation_in_time(const cv::Mat& green_mean, const cv::Mat& green_squares, std::size_t pictures) {
   cv::Mat mean_square, variance, deviation;
@@ -41,20 +43,34 @@ std::array<double, kLevels> typical_deviations(const cv::Mat& mean, const cv::Ma
     for (int x = 0; x < mean.cols; ++x)
       by_level[static_cast<std::size_t>(level_of(mean.at<float>(y, x)))].push_back(deviation.at<float>(y, x));
   std::array<double, kLevels> typical{};
-  for (std::size_t i = 0; i < typical.size(); ++i) typical[i] = median_of(by_level[i]);
+  const auto fewest = static_cast<std::size_t>(kFewestShare * static_cast<double>(mean.total()));
+  for (std::size_t i = 0; i < typical.size(); ++i)
+    typical[i] = by_level[i].size() < fewest ? std::numeric_limits<double>::infinity() : median_of(by_level[i]);
   return typical;
 }
 
-double moving_share(const cv::Mat& mean, const cv::Mat& deviation) {
+// A level that only the one who moves has must not set its own measure: its neighbours' counts too, for the noise of
+// levels next to each other differs by less than half.
+std::array<double, kLevels> still_deviations(const cv::Mat& mean, const cv::Mat& deviation) {
   const auto typical = typical_deviations(mean, deviation);
-  // A level that only the one who moves has must not set its own measure: the stillest of it and its neighbours does.
+  auto still = typical;
+  for (std::size_t i = 0; i < still.size(); ++i) {
+    if (i > 0) still[i] = std::min(still[i], 1.5 * typical[i - 1] + kStep);
+    if (i + 1 < still.size()) still[i] = std::min(still[i], 1.5 * typical[i + 1] + kStep);
+  }
+  const double anywhere = *std::min_element(still.begin(), still.end());
+  for (auto& level : still)
+    if (!std::isfinite(level)) level = 2.0 * anywhere + kStep;  // far from anything that holds still
+  return still;
+}
+
+double moving_share(const cv::Mat& mean, const cv::Mat& deviation) {
+  const auto still = still_deviations(mean, deviation);
   std::size_t moving = 0;
   for (int y = 0; y < mean.rows; ++y)
     for (int x = 0; x < mean.cols; ++x) {
       const auto level = static_cast<std::size_t>(level_of(mean.at<float>(y, x)));
-      const double still = std::min({typical[level], typical[level == 0 ? 0 : level - 1] * 1.5 + kStep,
-                                     typical[std::min<std::size_t>(level + 1, kLevels - 1)] * 1.5 + kStep});
-      if (deviation.at<float>(y, x) > kMovingAbove * still + kStep) ++moving;
+      if (deviation.at<float>(y, x) > kMovingAbove * still[level] + kStep) ++moving;
     }
   return static_cast<double>(moving) / static_cast<double>(mean.total());
 }

@@ -72,6 +72,10 @@ RigStatus RigDaemon::status() const {
     status.take = take_->progress();
     status.queued_frame_sets = take_->queued();
   }
+  if (take_ && !live_)
+    for (const auto& [name, frames] : take_->too_slow_for())
+      for (auto& camera : status.cameras)
+        if (camera.name == name) camera.missing.emplace(to_string(capture::HoleReason::disk_too_slow), frames);
   if (live_ || take_) add_session(status, live_ ? live_->stream() : take_->stream());
   if (!live_problem_.empty()) status.warnings.push_back(live_problem_);
   if (rig_.trigger.mode == "action" && fleet_.trigger_mode() == capture::TriggerMode::software)

@@ -141,10 +141,22 @@ void TakeSession::request_stop() {
 
 void TakeSession::enqueue(capture::FrameSet&& set) {
   watch_.offer(set);
-  if (queue_.size() >= most_queued_)
-    for (auto& slot : set.slots)
-      if (slot.frame) slot = {.frame = std::nullopt, .missing_because = capture::HoleReason::disk_too_slow};
+  if (queue_.size() >= most_queued_) leave_out(set);
   queue_.try_push(std::move(set));
+}
+
+void TakeSession::leave_out(capture::FrameSet& set) {
+  const std::lock_guard lock(progress_mutex_);
+  for (auto& slot : set.slots) {
+    if (!slot.frame) continue;
+    ++too_slow_for_[slot.frame->camera];
+    slot = {.frame = std::nullopt, .missing_because = capture::HoleReason::disk_too_slow};
+  }
+}
+
+std::map<capture::CameraId, std::uint64_t> TakeSession::too_slow_for() const {
+  const std::lock_guard lock(progress_mutex_);
+  return too_slow_for_;
 }
 
 void TakeSession::record() {

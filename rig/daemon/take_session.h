@@ -4,6 +4,7 @@
 // dropped silently.
 #include <atomic>
 #include <condition_variable>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -34,11 +35,14 @@ class TakeSession {
   // Waits until the progress differs from `seen` or the take is closed, or for so long.
   TakeProgress wait_for_change(const TakeProgress& seen, std::chrono::milliseconds timeout) const;
   const FrameSetStream& stream() const { return stream_; }
+  // Frames by camera that the disk was too slow for.
+  std::map<capture::CameraId, std::uint64_t> too_slow_for() const;
   std::size_t queued() const { return queue_.size(); }
   bool stopping() const { return stop_requested_; }
 
  private:
   void enqueue(capture::FrameSet&& set);
+  void leave_out(capture::FrameSet& set);
   void record();
   void write(const capture::FrameSet& set);
   void write_annotations();
@@ -56,6 +60,7 @@ class TakeSession {
   mutable std::mutex progress_mutex_;
   mutable std::condition_variable changed_;
   TakeProgress progress_;
+  std::map<capture::CameraId, std::uint64_t> too_slow_for_;
   TakeAnnotation said_;             // and not yet with the writer
   std::vector<std::string> marks_;  // likewise
 

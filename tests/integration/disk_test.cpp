@@ -62,7 +62,7 @@ TEST_F(Disk, WithoutAFaultEverythingIsWhole) {
 }
 
 TEST_F(Disk, AWriteErrorEndsTheTakeLoudAndWhatWasWrittenIsValid) {
-  const auto daemon = daemon_with("FAILING_DISK_WRITE_AFTER", "20");
+  const auto daemon = daemon_with("FAILING_DISK_WRITE_AFTER", "100");
   const auto taken = rotunda({"take", "start", "broken", "--frames", "40"});
   EXPECT_EQ(taken.exit_code, 4) << taken.out;
   EXPECT_THAT(taken.err, testing::AllOf(HasSubstr("ended early"), HasSubstr(".mkv"), HasSubstr("Input/output error")));
@@ -75,7 +75,7 @@ TEST_F(Disk, AWriteErrorEndsTheTakeLoudAndWhatWasWrittenIsValid) {
 }
 
 TEST_F(Disk, FullItClosesTheTakeValid) {
-  const auto daemon = daemon_with("FAILING_DISK_FULL_AFTER", "20");
+  const auto daemon = daemon_with("FAILING_DISK_FULL_AFTER", "100");
   const auto taken = rotunda({"take", "start", "full", "--frames", "40"});
   EXPECT_EQ(taken.exit_code, 4) << taken.out;
   EXPECT_THAT(taken.err, HasSubstr("No space left on device"));
