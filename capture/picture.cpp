@@ -1,49 +1,93 @@
 #include "capture/picture.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <system_error>
 
+#include "capture/ycbcr_picture.h"
 #include "config/errors.h"
 
 namespace rotunda::capture {
 namespace {
 
 // OpenCV names a mosaic by its second row and column, hence the *RGGB* aliases that name the first.
-int demosaic_code(PixelFormat format) {
-  switch (format) {
-    case PixelFormat::bayer_rg8:
+int demosaic_code(BayerOrder order) {
+  switch (order) {
+    case BayerOrder::rg:
       return cv::COLOR_BayerRGGB2RGB;
-    case PixelFormat::bayer_gr8:
+    case BayerOrder::gr:
       return cv::COLOR_BayerGRBG2RGB;
-    case PixelFormat::bayer_gb8:
+    case BayerOrder::gb:
       return cv::COLOR_BayerGBRG2RGB;
-    case PixelFormat::bayer_bg8:
+    case BayerOrder::bg:
       return cv::COLOR_BayerBGGR2RGB;
-    default:
-      return cv::COLOR_GRAY2RGB;
+    case BayerOrder::none:
+      break;
   }
+  return cv::COLOR_GRAY2RGB;
 }
 
 // PFNC 12p: the first pixel's low byte, its high and the second's low nibble, the second's high byte.
-cv::Mat unpack_12p(const Image& image) {
+unsigned pfnc_12p_sample(std::span<const std::uint8_t> bytes, std::size_t pixel) {
+  const std::size_t at = pixel / 2 * 3;
+  return pixel % 2 == 0 ? bytes[at] | (bytes[at + 1] & 0xFU) << 8U
+                        : bytes[at + 1] >> 4U | static_cast<unsigned>(bytes[at + 2]) << 4U;
+}
+
+unsigned csi2_10p_sample(std::span<const std::uint8_t> bytes, std::size_t pixel) {
+  const std::size_t group = pixel / 4 * 5, place = pixel % 4;
+  return static_cast<unsigned>(bytes[group + place]) << 2U | (bytes[group + 4] >> (2 * place) & 0x3U);
+}
+
+unsigned csi2_12p_sample(std::span<const std::uint8_t> bytes, std::size_t pixel) {
+  const std::size_t group = pixel / 2 * 3, place = pixel % 2;
+  return static_cast<unsigned>(bytes[group + place]) << 4U | (bytes[group + 2] >> (4 * place) & 0xFU);
+}
+
+unsigned word_sample(std::span<const std::uint8_t> bytes, std::size_t pixel) {
+  return bytes[2 * pixel] | static_cast<unsigned>(bytes[2 * pixel + 1]) << 8U;
+}
+
+// Samples above what `bits` can say are a camera's mistake; they show as white.
+template <class Sample>
+cv::Mat unpacked(const Image& image, int bits, Sample sample) {
   cv::Mat samples(image.height, image.width, CV_16UC1);
   auto* out = samples.ptr<std::uint16_t>();
   const auto bytes = image.bytes();
-  for (std::size_t i = 0, at = 0; i < samples.total(); ++i) {
-    const bool second = (i & 1) != 0;
-    const unsigned low = second ? bytes[at] >> 4U : bytes[at], high = second ? bytes[at + 1] : bytes[at + 1] & 0xFU;
-    out[i] = static_cast<std::uint16_t>(second ? low | high << 4U : low | high << 8U);
-    at += second ? 2 : 1;
-  }
+  const unsigned white = (1U << bits) - 1;
+  for (std::size_t i = 0; i < samples.total(); ++i)
+    out[i] = static_cast<std::uint16_t>(std::min(sample(bytes, i), white));
   return samples;
 }
 
-cv::Mat demosaic_12p(const Image& image) {
+cv::Mat unpack(const Image& image, const PixelLayout& layout) {
+  switch (layout.packing) {
+    case PixelPacking::pfnc_12p:
+      return unpacked(image, layout.bits, pfnc_12p_sample);
+    case PixelPacking::csi2_10p:
+      return unpacked(image, layout.bits, csi2_10p_sample);
+    case PixelPacking::csi2_12p:
+      return unpacked(image, layout.bits, csi2_12p_sample);
+    default:
+      return unpacked(image, layout.bits, word_sample);
+  }
+}
+
+cv::Mat demosaic_deep(const Image& image, const PixelLayout& layout) {
   cv::Mat deep, rgb;
-  cv::cvtColor(unpack_12p(image), deep, cv::COLOR_BayerRGGB2RGB);
-  deep.convertTo(rgb, CV_8U, 255.0 / 4095.0);
+  cv::cvtColor(unpack(image, layout), deep, demosaic_code(layout.order));
+  deep.convertTo(rgb, CV_8U, 255.0 / ((1 << layout.bits) - 1));
   return rgb;
+}
+
+void require_whole_groups(const Image& image) {
+  const auto group = pixel_group(image.format);
+  if (image.width <= 0 || image.height <= 0 || image.width % group.across != 0 || image.height % group.down != 0)
+    throw CorruptData(
+        fmt::format("an image of {} x {} pixels cannot be {}", image.width, image.height, to_string(image.format)));
 }
 
 cv::Mat read(const std::filesystem::path& file, int flags) {
@@ -60,13 +104,26 @@ cv::Mat read(const std::filesystem::path& file, int flags) {
 }  // namespace
 
 cv::Mat to_rgb(const Image& image) {
+  require_whole_groups(image);
+  const PixelLayout layout = layout_of(image.format);
+  if (image.format == PixelFormat::mjpeg) return jpeg_to_rgb(image);
+  if (is_ycbcr(image.format)) return ycbcr_to_rgb(image);
+  if (layout.packing != PixelPacking::bytes) return demosaic_deep(image, layout);
   // const_cast: cv::Mat has no read-only view; nothing below writes through it.
   auto* data = const_cast<std::uint8_t*>(image.pixels.get());
-  if (image.format == PixelFormat::bayer_rg12p) return demosaic_12p(image);
   if (image.format == PixelFormat::rgb8) return cv::Mat(image.height, image.width, CV_8UC3, data).clone();
   cv::Mat rgb;
-  cv::cvtColor(cv::Mat(image.height, image.width, CV_8UC1, data), rgb, demosaic_code(image.format));
+  cv::cvtColor(cv::Mat(image.height, image.width, CV_8UC1, data), rgb, demosaic_code(layout.order));
   return rgb;
+}
+
+SlotPicture picture_of(const FrameSlot& slot) {
+  if (!slot.frame) return {{}, std::string(to_string(slot.missing_because.value_or(HoleReason::not_recorded)))};
+  try {
+    return {to_rgb(slot.frame->image), ""};
+  } catch (const CorruptData& error) {
+    return {{}, error.what()};
+  }
 }
 
 cv::Mat read_rgb(const std::filesystem::path& file) {

@@ -2,13 +2,22 @@
 // Pictures to work on: 8-bit sRGB in the order red, green, blue (CV_8UC3), never OpenCV's BGR; rows top to bottom.
 #include <filesystem>
 #include <opencv2/core.hpp>
+#include <string>
 
 #include "capture/frame.h"
 
 namespace rotunda::capture {
 
-// Any Image as RGB; a mosaic is demosaiced bilinearly, mono is repeated in the three channels.
+// Any Image as RGB; a mosaic is demosaiced bilinearly, mono is repeated in the three channels, Y'CbCr and JPEG are
+// converted by ycbcr_picture.h. Throws CorruptData for a JPEG that came damaged.
 cv::Mat to_rgb(const Image& image);
+
+// What a slot of a frame set shows: a picture, or why there is none, also where a camera sent a damaged JPEG.
+struct SlotPicture {
+  cv::Mat rgb;  // empty: none
+  std::string missing_because;
+};
+SlotPicture picture_of(const FrameSlot& slot);
 
 // PNG or JPEG from disk as RGB (grey is repeated, alpha dropped). Throws CorruptData with the file's name.
 cv::Mat read_rgb(const std::filesystem::path& file);

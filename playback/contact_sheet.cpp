@@ -66,11 +66,11 @@ std::vector<std::size_t> spread(std::size_t count, int wanted) {
 Row camera_row(const capture::TakeReader& take, const ContactSheetOptions& options) {
   Row row;
   for (const auto camera : spread(take.info().cameras.size(), options.cameras)) {
-    const auto slot = take.read(options.frame, camera);
+    auto picture = capture::picture_of(take.read(options.frame, camera));
     const auto& name = take.info().cameras[camera].name;
-    row.push_back(slot.frame ? CaptionedPicture{capture::to_rgb(slot.frame->image),
-                                                fmt::format("{}, frame {}", name, options.frame)}
-                             : CaptionedPicture{{}, fmt::format("{}: {}", name, to_string(*slot.missing_because))});
+    auto caption = picture.rgb.empty() ? fmt::format("{}: {}", name, picture.missing_because)
+                                       : fmt::format("{}, frame {}", name, options.frame);
+    row.push_back({std::move(picture.rgb), std::move(caption)});
   }
   return row;
 }

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "capture/matte/chroma_key.h"
 #include "capture/picture.h"
@@ -54,9 +55,10 @@ FrameViews key_frame(const capture::FrameSet& frame_set, const StudioViews& stud
                      std::span<const capture::Matte> given_mattes, StageClock& clock) {
   FrameViews views{.cameras = {}, .pictures = {}, .mattes = {}, .backdrop = studio.backdrop};
   for (std::size_t i = 0; i < frame_set.slots.size(); ++i) {
-    if (!frame_set.slots[i].frame) continue;
+    auto picture = clock.run("demosaic", [&] { return capture::picture_of(frame_set.slots[i]); });
+    if (picture.rgb.empty()) continue;
     views.cameras.push_back(studio.cameras[i]);
-    views.pictures.push_back(clock.run("demosaic", [&] { return capture::to_rgb(frame_set.slots[i].frame->image); }));
+    views.pictures.push_back(std::move(picture.rgb));
     const bool given = i < given_mattes.size() && !given_mattes[i].alpha.empty();
     views.mattes.push_back(given ? given_mattes[i] : clock.run("key", [&] {
       return matte_for(views.pictures.back(), studio.backgrounds[i], studio.backdrop);

@@ -61,10 +61,10 @@ std::vector<FrameSet> FrameSetAssembler::add(Frame frame, Timestamp now) {
 }
 
 std::vector<FrameSet> FrameSetAssembler::add_loss(const CameraId& camera, std::optional<Timestamp> exposure_start,
-                                                  Timestamp now) {
+                                                  Timestamp now, HoleReason because) {
   const std::size_t slot = slot_of(camera);
   const auto trigger = exposure_start ? trigger_of(*exposure_start, now) : std::nullopt;
-  if (trigger && *trigger >= next_) pending(*trigger)[slot].lost = true;
+  if (trigger && *trigger >= next_) pending(*trigger)[slot].lost = because;
   return collect(now);
 }
 
@@ -125,10 +125,8 @@ FrameSlot FrameSetAssembler::fill(std::size_t camera, Slot slot) {
     ledgers_[camera].left_with(*slot.frame);
     return {std::move(slot.frame), std::nullopt};
   }
-  const HoleReason why = slot.lost         ? HoleReason::packets_lost
-                         : absent_[camera] ? HoleReason::camera_lost
-                                           : why_nothing_came(camera);
-  ledgers_[camera].left_without(slot.lost);
+  const HoleReason why = slot.lost ? *slot.lost : absent_[camera] ? HoleReason::camera_lost : why_nothing_came(camera);
+  ledgers_[camera].left_without(slot.lost.has_value());
   ++counts.missing;
   ++counts.missing_in_a_row;
   ++counts.missing_because[why];

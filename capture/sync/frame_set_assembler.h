@@ -50,7 +50,8 @@ class FrameSetAssembler {
   std::vector<FrameSet> add(Frame frame, Timestamp now);
   // A frame that came incomplete. Without its time it cannot be placed: its hole says why only if the camera counts its
   // exposures.
-  std::vector<FrameSet> add_loss(const CameraId& camera, std::optional<Timestamp> exposure_start, Timestamp now);
+  std::vector<FrameSet> add_loss(const CameraId& camera, std::optional<Timestamp> exposure_start, Timestamp now,
+                                 HoleReason because = HoleReason::packets_lost);
   // No frame is waited for from an absent camera (frames that come all the same are taken).
   std::vector<FrameSet> set_absent(const CameraId& camera, bool absent, Timestamp now);
   std::vector<FrameSet> advance(Timestamp now);
@@ -69,7 +70,7 @@ class FrameSetAssembler {
  private:
   struct Slot {
     std::optional<Frame> frame;
-    bool lost = false;
+    std::optional<HoleReason> lost;  // a frame was announced that did not come, or not whole
   };
   using Pending = std::vector<Slot>;
 

@@ -123,6 +123,7 @@ AvInput open_matroska(AVIOContext* io, const fs::path& file) {
   AVFormatContext* input = avformat_alloc_context();
   if (input == nullptr) throw std::bad_alloc();
   input->pb = io;
+  input->flags |= AVFMT_FLAG_NOPARSE;  // the pixels are not there to be looked at
   check(avformat_open_input(&input, nullptr, av_find_input_format("matroska"), nullptr), file.string());
   return AvInput(input);
 }
@@ -169,9 +170,21 @@ std::optional<std::vector<std::uint8_t>> decode_ffv1(std::span<const std::uint8_
 
 namespace {
 
-// Pixels in a row of the stream, whose width counts bytes where pixels are packed.
+// Pixels in a row of the stream, whose width counts bytes where the samples went in as grey.
 int pixels_across(int stream_width, PixelFormat format) {
-  return format == PixelFormat::bayer_rg12p ? stream_width * 2 / 3 : stream_width;
+  if (format == PixelFormat::rgb8 || format == PixelFormat::mjpeg || is_ycbcr(format)) return stream_width;
+  return stream_width * 8 / layout_of(format).stored_bits;
+}
+
+AVCodecID codec_of(PixelFormat format) {
+  if (format == PixelFormat::mjpeg) return AV_CODEC_ID_MJPEG;
+  return format == PixelFormat::rgb8 ? AV_CODEC_ID_FFV1 : AV_CODEC_ID_RAWVIDEO;
+}
+
+YcbcrCoding coding_of(const AVCodecParameters& parameters) {
+  const bool full = parameters.color_range == AVCOL_RANGE_JPEG;
+  if (parameters.color_space == AVCOL_SPC_BT709) return full ? YcbcrCoding::bt709_full : YcbcrCoding::bt709_limited;
+  return full ? YcbcrCoding::bt601_full : YcbcrCoding::bt601_limited;
 }
 
 }  // namespace
@@ -186,7 +199,8 @@ CameraFileHeader read_camera_file_header(const fs::path& file) {
   return {.camera = {.name = file.stem().string(),
                      .width = pixels_across(stream.codecpar->width, *format),
                      .height = stream.codecpar->height,
-                     .format = *format},
+                     .format = *format,
+                     .ycbcr = is_ycbcr(*format) ? coding_of(*stream.codecpar) : YcbcrCoding::bt601_limited},
           .fps = av_q2d(stream.avg_frame_rate)};
 }
 
@@ -208,15 +222,15 @@ void CameraFileReader::index() {
   const AvInput input = open_matroska(source.context(), file_);
   if (input->nb_streams < 1) throw CorruptData(file_, 0, "has no video track");
   const AVCodecParameters& parameters = *input->streams[0]->codecpar;
-  const bool ffv1 = camera_.format == PixelFormat::rgb8;
-  if (parameters.codec_id != (ffv1 ? AV_CODEC_ID_FFV1 : AV_CODEC_ID_RAWVIDEO))
+  if (parameters.codec_id != codec_of(camera_.format))
     throw CorruptData(file_, 0, fmt::format("does not hold {} as take.yaml says", to_string(camera_.format)));
   const int width = pixels_across(parameters.width, camera_.format);
   if (width != camera_.width || parameters.height != camera_.height)
     throw CorruptData(
         file_, 0,
         fmt::format("is {} x {}, take.yaml says {} x {}", width, parameters.height, camera_.width, camera_.height));
-  if (ffv1) ffv1_configuration_.assign(parameters.extradata, parameters.extradata + parameters.extradata_size);
+  if (camera_.format == PixelFormat::rgb8)
+    ffv1_configuration_.assign(parameters.extradata, parameters.extradata + parameters.extradata_size);
   const AvPacket packet = make_packet();
   int result = 0;
   while ((result = av_read_frame(input.get(), packet.get())) >= 0) {
@@ -238,13 +252,14 @@ std::optional<Frame> CameraFileReader::read(const StoredFrame& stored) const {
     if (!pixels) return std::nullopt;
     bytes = std::move(*pixels);
   }
-  const std::size_t expected = Image{camera_.width, camera_.height, camera_.format, nullptr}.size_bytes();
-  if (bytes.size() != expected || crc32c(bytes) != stored.record->pixels_crc) return std::nullopt;
+  const bool sized = camera_.format != PixelFormat::mjpeg;
+  if (sized && bytes.size() != image_bytes(camera_.width, camera_.height, camera_.format)) return std::nullopt;
+  if (crc32c(bytes) != stored.record->pixels_crc) return std::nullopt;
   return Frame{.camera = camera_.name,
                .trigger = stored.record->trigger,
                .exposure_start = stored.record->exposure_start,
                .exposure = stored.record->exposure,
-               .image = make_image(camera_.width, camera_.height, camera_.format, std::move(bytes))};
+               .image = make_image(camera_.width, camera_.height, camera_.format, std::move(bytes), camera_.ycbcr)};
 }
 
 }  // namespace rotunda::capture

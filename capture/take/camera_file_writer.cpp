@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
@@ -48,15 +49,64 @@ AvCodec open_ffv1(const TakeCamera& camera, AVRational rate) {
   return codec;
 }
 
-void describe_raw(AVCodecParameters& parameters, const TakeCamera& camera) {
-  parameters.codec_type = AVMEDIA_TYPE_VIDEO;
+// Y'CbCr goes in under the name that players know it by, so that they show its colours.
+struct YcbcrStream {
+  PixelFormat format;
+  std::uint32_t tag;
+  AVPixelFormat av_format;
+};
+constexpr std::array kYcbcrStreams{
+    YcbcrStream{PixelFormat::yuyv, MKTAG('Y', 'U', 'Y', '2'), AV_PIX_FMT_YUYV422},
+    YcbcrStream{PixelFormat::uyvy, MKTAG('U', 'Y', 'V', 'Y'), AV_PIX_FMT_UYVY422},
+    YcbcrStream{PixelFormat::nv12, MKTAG('N', 'V', '1', '2'), AV_PIX_FMT_NV12},
+};
+
+void describe_colours(AVCodecParameters& parameters, YcbcrCoding coding) {
+  const bool bt709 = coding == YcbcrCoding::bt709_limited || coding == YcbcrCoding::bt709_full;
+  const bool full = coding == YcbcrCoding::bt601_full || coding == YcbcrCoding::bt709_full;
+  parameters.color_space = bt709 ? AVCOL_SPC_BT709 : AVCOL_SPC_SMPTE170M;
+  parameters.color_range = full ? AVCOL_RANGE_JPEG : AVCOL_RANGE_MPEG;
+}
+
+void describe_ycbcr(AVCodecParameters& parameters, const TakeCamera& camera) {
+  const auto stream = std::find_if(kYcbcrStreams.begin(), kYcbcrStreams.end(),
+                                   [&](const auto& row) { return row.format == camera.format; });
+  parameters.codec_id = AV_CODEC_ID_RAWVIDEO;
+  parameters.codec_tag = stream->tag;
+  parameters.format = stream->av_format;
+  parameters.width = camera.width;
+  describe_colours(parameters, camera.ycbcr);
+}
+
+void describe_jpeg(AVCodecParameters& parameters, const TakeCamera& camera) {
+  parameters.codec_id = AV_CODEC_ID_MJPEG;
+  parameters.format = AV_PIX_FMT_YUVJ422P;
+  parameters.width = camera.width;
+  describe_colours(parameters, YcbcrCoding::bt601_full);
+}
+
+// Samples as grey, as wide as a row has bytes: packed and 16-bit pixels are not bytes.
+void describe_samples(AVCodecParameters& parameters, const TakeCamera& camera) {
   parameters.codec_id = AV_CODEC_ID_RAWVIDEO;
   parameters.codec_tag = MKTAG('Y', '8', '0', '0');
   parameters.format = AV_PIX_FMT_GRAY8;
-  // As wide as a row has bytes: 12-bit pixels are packed.
   const auto rows = static_cast<std::size_t>(camera.height);
   parameters.width = static_cast<int>((image_bytes(camera.width, camera.height, camera.format) + rows - 1) / rows);
+}
+
+void describe_as_it_came(AVCodecParameters& parameters, const TakeCamera& camera) {
+  parameters.codec_type = AVMEDIA_TYPE_VIDEO;
   parameters.height = camera.height;
+  if (camera.format == PixelFormat::mjpeg)
+    describe_jpeg(parameters, camera);
+  else if (is_ycbcr(camera.format))
+    describe_ycbcr(parameters, camera);
+  else
+    describe_samples(parameters, camera);
+}
+
+std::string colours_in_words(PixelFormat format, YcbcrCoding coding) {
+  return is_ycbcr(format) ? fmt::format(" ({})", to_string(coding)) : "";
 }
 
 AvFrame wrap_for_ffv1(const Image& image) {
@@ -173,10 +223,13 @@ class CameraFileWriter::Muxer {
   }
 
   void require_shape(const Image& image) const {
-    if (image.width == camera_.width && image.height == camera_.height && image.format == camera_.format) return;
-    throw InvalidInput(fmt::format("{}: the frame is {} x {} {}, the take was begun with {} x {} {}", camera_.name,
-                                   image.width, image.height, to_string(image.format), camera_.width, camera_.height,
-                                   to_string(camera_.format)));
+    const bool colours = !is_ycbcr(image.format) || image.ycbcr == camera_.ycbcr;
+    if (image.width == camera_.width && image.height == camera_.height && image.format == camera_.format && colours)
+      return;
+    throw InvalidInput(fmt::format("{}: the frame is {} x {} {}{}, the take was begun with {} x {} {}{}", camera_.name,
+                                   image.width, image.height, to_string(image.format),
+                                   colours_in_words(image.format, image.ycbcr), camera_.width, camera_.height,
+                                   to_string(camera_.format), colours_in_words(camera_.format, camera_.ycbcr)));
   }
 
  private:
@@ -189,7 +242,7 @@ class CameraFileWriter::Muxer {
       encoder_ = open_ffv1(camera_, rate);
       check(avcodec_parameters_from_context(stream->codecpar, encoder_.get()), file_.string());
     } else {
-      describe_raw(*stream->codecpar, camera_);
+      describe_as_it_came(*stream->codecpar, camera_);
     }
     av_dict_set(&stream->metadata, "PIXEL_FORMAT", std::string(to_string(camera_.format)).c_str(), 0);
     av_dict_set(&stream->metadata, "title", camera_.name.c_str(), 0);

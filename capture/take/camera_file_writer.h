@@ -1,7 +1,8 @@
 #pragma once
-// Writes one camera's Matroska file of a take: mono and Bayer pixels raw as they came (V_UNCOMPRESSED, Y800), RGB as
-// lossless FFV1. One frame a cluster, handed to the kernel before write() returns, so a killed process loses at most
-// the frame it was writing. The raw way copies pixels only inside libavformat's cluster buffer and into the kernel.
+// Writes one camera's Matroska file of a take: pixels as they came (mono and Bayer V_UNCOMPRESSED as Y800, Y'CbCr
+// V_UNCOMPRESSED under its own name, Motion JPEG V_MJPEG), RGB as lossless FFV1. One frame a cluster, handed to the
+// kernel before write() returns, so a killed process loses at most the frame it was writing. The raw way copies pixels
+// only inside libavformat's cluster buffer and into the kernel.
 //
 // Throws std::system_error naming the file. After a failed write the file is cut back to its last whole frame and
 // stays readable; further writes throw the same error.

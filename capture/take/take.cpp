@@ -82,10 +82,14 @@ TakeCamera read_camera(const Fields& fields) {
     const auto count = fields.get_or<std::size_t>(std::string(to_string(reason)).c_str(), "a count", 0);
     if (count > 0) camera.missing_because[reason] = count;
   }
-  const auto name = fields.get<std::string>("format", "a GenICam pixel format such as BayerRG8");
+  const auto name = fields.get<std::string>("format", "a pixel format such as BayerRG8");
   const auto format = pixel_format_from(name);
   fields.demand(format.has_value(), "format", fmt::format("'{}' is not a pixel format this version knows", name));
   camera.format = format.value_or(PixelFormat::mono8);
+  const auto coding = fields.get_or<std::string>("ycbcr", "a coding such as bt601-limited", "bt601-limited");
+  fields.demand(ycbcr_coding_from(coding).has_value(), "ycbcr",
+                fmt::format("'{}' is not bt601-limited, bt601-full, bt709-limited or bt709-full", coding));
+  camera.ycbcr = ycbcr_coding_from(coding).value_or(YcbcrCoding::bt601_limited);
   fields.demand(valid_take_name(camera.name), "name", "cannot be a file name");
   fields.demand(camera.width > 0 && camera.width <= kLargestSide, "width", "expected 1 to 65536 pixels");
   fields.demand(camera.height > 0 && camera.height <= kLargestSide, "height", "expected 1 to 65536 pixels");
@@ -180,6 +184,7 @@ void emit_camera(YAML::Emitter& out, const TakeCamera& camera) {
   out << YAML::Key << "width" << YAML::Value << camera.width;
   out << YAML::Key << "height" << YAML::Value << camera.height;
   out << YAML::Key << "format" << YAML::Value << std::string(to_string(camera.format));
+  if (is_ycbcr(camera.format)) out << YAML::Key << "ycbcr" << YAML::Value << std::string(to_string(camera.ycbcr));
   out << YAML::Key << "frames" << YAML::Value << camera.frames;
   out << YAML::Key << "missing" << YAML::Value << camera.missing;
   for (const auto& [reason, count] : camera.missing_because)

@@ -24,6 +24,7 @@ struct TakeCamera {
   int width = 0;   // pixels
   int height = 0;  // pixels
   PixelFormat format = PixelFormat::mono8;
+  YcbcrCoding ycbcr = YcbcrCoding::bt601_limited;     // of formats that are Y'CbCr
   std::size_t frames = 0;                             // on disk
   std::size_t missing = 0;                            // frame sets without this camera's frame
   std::map<HoleReason, std::size_t> missing_because;  // of these, those the writer knew the reason of

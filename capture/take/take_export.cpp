@@ -19,9 +19,9 @@ TakeExportResult export_take(const TakeReader& take, const std::filesystem::path
     if (stop.stop_requested())
       throw std::system_error(std::make_error_code(std::errc::operation_canceled), "exporting " + take.info().name);
     tbb::parallel_for(std::size_t{0}, cameras.size(), [&](std::size_t camera) {
-      const FrameSlot slot = take.read(index, camera);
-      if (!slot.frame) return;
-      write_png(folder / cameras[camera].name / frame_file_name(index), to_rgb(slot.frame->image));
+      const SlotPicture picture = picture_of(take.read(index, camera));
+      if (picture.rgb.empty()) return;
+      write_png(folder / cameras[camera].name / frame_file_name(index), picture.rgb);
       ++written;
     });
     if (progress) progress(index + 1, take.frame_set_count());

@@ -46,7 +46,7 @@ void PictureWatch::run(std::stop_token stop) {
     }
     const auto begun = SteadyClock::now();
     for (const auto& slot : set->slots)
-      if (slot.frame && !stop.stop_requested()) look_at(*slot.frame);
+      if (slot.frame && !stop.stop_requested()) look_at(slot);
     const std::lock_guard lock(mutex_);
     const auto spent = SteadyClock::now() - begun;
     next_look_ = begun + std::max<SteadyClock::duration>(kLookEvery, kShareOfACore * spent);
@@ -54,10 +54,12 @@ void PictureWatch::run(std::stop_token stop) {
   }
 }
 
-void PictureWatch::look_at(const capture::Frame& frame) {
-  const auto health = capture::picture_health(capture::to_rgb(frame.image));
+void PictureWatch::look_at(const capture::FrameSlot& slot) {
+  const auto picture = capture::picture_of(slot);
+  if (picture.rgb.empty()) return;  // a damaged JPEG
+  const auto health = capture::picture_health(picture.rgb);
   const std::lock_guard lock(mutex_);
-  looks_[frame.camera] = {health, SteadyClock::now()};
+  looks_[slot.frame->camera] = {health, SteadyClock::now()};
 }
 
 }  // namespace rotunda::rig

@@ -28,7 +28,7 @@ class PictureWatch {
   };
 
   void run(std::stop_token stop);
-  void look_at(const capture::Frame& frame);
+  void look_at(const capture::FrameSlot& slot);
 
   mutable std::mutex mutex_;
   std::condition_variable_any wake_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "config/errors.h"
 #include "simulator/gige/big_endian.h"
 
 namespace rotunda::simulator {
@@ -95,8 +96,9 @@ std::uint32_t pixel_code(capture::PixelFormat format) {
       return 0x02180014;
     case capture::PixelFormat::bayer_rg12p:
       return 0x010C0059;
+    default:
+      throw InvalidInput("the simulated cameras do not send " + std::string(capture::to_string(format)));
   }
-  return 0;
 }
 
 // PFNC: bits 16 to 23 of a code are the bits a pixel takes.

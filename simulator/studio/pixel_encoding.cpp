@@ -2,6 +2,7 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "config/errors.h"
 #include "simulator/studio/sensor.h"
 
 namespace rotunda::simulator {
@@ -75,6 +76,8 @@ std::vector<std::uint8_t> encode_pixels(const cv::Mat& picture, PixelFormat form
     case PixelFormat::rgb8:
     case PixelFormat::mono8:
       break;
+    default:
+      throw InvalidInput("the simulator does not send " + std::string(capture::to_string(format)));
   }
   const cv::Mat rgb = picture.depth() == CV_8U ? picture : to_8bit(picture);
   if (format == PixelFormat::rgb8) return bytes_of(rgb);

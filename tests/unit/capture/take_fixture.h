@@ -47,13 +47,14 @@ inline std::vector<TakeCamera> cameras_of(std::size_t count, int width = 64, int
 
 // Noise that depends on camera and trigger alone.
 inline Image noise_image(const TakeCamera& camera, std::uint64_t seed) {
-  std::vector<std::uint8_t> bytes(image_bytes(camera.width, camera.height, camera.format));
+  std::vector<std::uint8_t> bytes(
+      camera.format == PixelFormat::mjpeg ? 500 + seed % 100 : image_bytes(camera.width, camera.height, camera.format));
   std::uint64_t state = seed * 0x9E3779B97F4A7C15U + 1;
   for (auto& byte : bytes) {
     state = state * 6364136223846793005U + 1442695040888963407U;
     byte = static_cast<std::uint8_t>(state >> 56U);
   }
-  return make_image(camera.width, camera.height, camera.format, std::move(bytes));
+  return make_image(camera.width, camera.height, camera.format, std::move(bytes), camera.ycbcr);
 }
 
 inline Timestamp trigger_time(std::uint64_t trigger) {

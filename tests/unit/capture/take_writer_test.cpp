@@ -35,15 +35,29 @@ void record(const fs::path& folder, const std::vector<TakeCamera>& cameras, std:
 
 TEST(TakeWriter, GivesBackEveryFormatBitForBitWithItsTimes) {
   const TemporaryFolder root;
-  for (const auto format : {PixelFormat::mono8, PixelFormat::bayer_rg8, PixelFormat::bayer_gr8, PixelFormat::bayer_gb8,
-                            PixelFormat::bayer_bg8, PixelFormat::rgb8, PixelFormat::bayer_rg12p}) {
+  for (const auto format : pixel_formats()) {
     const auto folder = root.path() / std::string(to_string(format));
-    const auto cameras = cameras_of(2, 65, 47, format);
+    const auto [across, down] = pixel_group(format);
+    const auto cameras = cameras_of(2, across > 1 ? 64 : 65, down > 1 ? 46 : 47, format);
     record(folder, cameras, 0, 4);
     const TakeReader take(folder);
     EXPECT_THAT(take.problems(), testing::IsEmpty());
     ASSERT_EQ(take.frame_set_count(), 4U);
     for (const std::size_t index : {3, 0, 2, 1}) expect_same(take.read(index), frame_set(cameras, index));
+  }
+}
+
+TEST(TakeWriter, KeepsHowColoursWereCodedAlsoWhenTheTakesOwnFileIsLost) {
+  const TemporaryFolder root;
+  for (const auto coding :
+       {YcbcrCoding::bt601_limited, YcbcrCoding::bt601_full, YcbcrCoding::bt709_limited, YcbcrCoding::bt709_full}) {
+    const auto folder = root.path() / std::string(to_string(coding));
+    auto cameras = cameras_of(1, 64, 48, PixelFormat::nv12);
+    cameras[0].ycbcr = coding;
+    record(folder, cameras, 0, 2);
+    EXPECT_EQ(TakeReader(folder).read(1).slots[0].frame->image.ycbcr, coding);
+    fs::remove(folder / "take.yaml");
+    EXPECT_EQ(read_camera_file_header(folder / "cam00.mkv").camera.ycbcr, coding);
   }
 }
 
