@@ -18,10 +18,36 @@ namespace {
 namespace fs = std::filesystem;
 using Words = std::set<std::string>;
 
-const Words kFormats{"Mono8", "BayerRG8", "BayerGR8", "BayerGB8", "BayerBG8", "BayerRG12p"};
+const Words kFormats{"Mono8",
+                     "BayerRG8",
+                     "BayerGR8",
+                     "BayerGB8",
+                     "BayerBG8",
+                     "RGB8",
+                     "BayerRG12p",
+                     "BayerRG10",
+                     "BayerGR10",
+                     "BayerGB10",
+                     "BayerBG10",
+                     "BayerRG12",
+                     "BayerGR12",
+                     "BayerGB12",
+                     "BayerBG12",
+                     "BayerRG10_CSI2P",
+                     "BayerGR10_CSI2P",
+                     "BayerGB10_CSI2P",
+                     "BayerBG10_CSI2P",
+                     "BayerRG12_CSI2P",
+                     "BayerGR12_CSI2P",
+                     "BayerGB12_CSI2P",
+                     "BayerBG12_CSI2P",
+                     "YUYV",
+                     "UYVY",
+                     "NV12",
+                     "MJPEG"};
 const Words kTriggerModes{"action", "software", "line", "freerun"};
 const Words kBackdrops{"blue", "green"};
-const Words kSources{"aravis", "replay"};
+const Words kSources{"aravis", "replay", "v4l2"};
 const std::vector<std::string> kFindBy{"address", "serial", "user_name", "mac"};
 
 std::string one_of(const Words& words) {
@@ -43,6 +69,27 @@ bool is_camera_name(const std::string& name) {
   });
 }
 
+// A camera's own win over the same ones of camera_defaults.
+void read_controls(CheckedMap& map, CameraConfig& camera) {
+  const std::string expected = "control names with a number, true, false or a menu's word each";
+  const auto node = map.find("controls");
+  if (!node) return;
+  if (!node.IsMap()) return map.wrong(node, "controls", expected);
+  for (const auto& entry : node) {
+    if (!entry.first.IsScalar() || !entry.second.IsScalar()) {
+      map.wrong(entry.second, "controls", expected);
+      continue;
+    }
+    const auto name = entry.first.Scalar();
+    const auto same = std::find_if(camera.controls.begin(), camera.controls.end(),
+                                   [&](const auto& control) { return control.first == name; });
+    if (same == camera.controls.end())
+      camera.controls.emplace_back(name, entry.second.Scalar());
+    else
+      same->second = entry.second.Scalar();
+  }
+}
+
 void read_camera_settings(CheckedMap& map, CameraConfig& camera) {
   map.read<std::string>("source", camera.source, one_of(kSources), in(kSources));
   map.read<int>("width", camera.width, "a width of 16 to 16384 pixels", between(16, 16384));
@@ -58,6 +105,20 @@ void read_camera_settings(CheckedMap& map, CameraConfig& camera) {
   if (map.find("gain_db")) {
     map.read<double>("gain_db", number, "-20 to 60 decibels", between(-20.0, 60.0));
     camera.gain_db = number;
+  }
+  read_controls(map, camera);
+}
+
+// What a kind of source cannot have. camera_defaults may hold it for the cameras of other kinds.
+void refuse_what_the_source_lacks(CheckedMap& map, const CameraConfig& camera) {
+  if (camera.source == "v4l2") {
+    for (const auto* way : {"user_name", "mac"})
+      if (const auto node = map.find(way))
+        map.wrong(node, way, "address (/dev/video0, /dev/v4l/by-path/...) or serial for a v4l2 camera");
+    if (const auto node = map.find("gain_db"))
+      map.wrong(node, "gain_db", "no decibels for a v4l2 camera: set its gain under controls, in its own units");
+  } else if (const auto node = map.find("controls")) {
+    map.wrong(node, "controls", "controls only where source is v4l2");
   }
 }
 
@@ -81,6 +142,7 @@ CameraConfig read_camera(const YAML::Node& node, std::size_t index, const Camera
   CameraConfig camera = defaults;
   if (node.IsMap()) read_identity(map, camera, node);
   read_camera_settings(map, camera);
+  refuse_what_the_source_lacks(map, camera);
   map.refuse_unknown_keys();
   return camera;
 }
@@ -259,8 +321,13 @@ std::string rig_file_text(const RigConfig& rig) {
   if (common.width > 0) text += fmt::format("  width: {}\n  height: {}\n", common.width, common.height);
   if (common.exposure_us) text += fmt::format("  exposure_us: {}\n", *common.exposure_us);
   text += "\ncameras:\n";
-  for (const auto& camera : rig.cameras)
-    text += fmt::format("  - {{ name: {}, {}: {} }}\n", camera.name, camera.find_by, camera.device);
+  for (const auto& camera : rig.cameras) {
+    text += fmt::format("  - {{ name: {}, ", camera.name);
+    if (camera.source != CameraConfig{}.source) text += fmt::format("source: {}, ", camera.source);
+    text += fmt::format("{}: {}", camera.find_by, camera.device);
+    if (camera.pixel_format != common.pixel_format) text += fmt::format(", pixel_format: {}", camera.pixel_format);
+    text += " }\n";
+  }
   return text;
 }
 

@@ -6,21 +6,23 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace rotunda::config {
 
 // How one camera is found and set. `find_by` says which of its names `device` is.
 struct CameraConfig {
-  std::string name;  // "cam00": letters, digits, '-' and '_'; also its file name in a take
-  std::string source = "aravis";
-  std::string find_by;  // address | serial | user_name | mac
+  std::string name;               // "cam00": letters, digits, '-' and '_'; also its file name in a take
+  std::string source = "aravis";  // aravis | v4l2
+  std::string find_by;            // address | serial | user_name | mac
   std::string device;
   int width = 0;  // pixels; 0: as the camera has it
   int height = 0;
   std::string pixel_format = "BayerRG8";
   std::optional<double> exposure_us;
   std::optional<double> gain_db;
+  std::vector<std::pair<std::string, std::string>> controls;  // v4l2: name and value, in the file's order
   int packet_size = 0;  // bytes with IP and UDP headers; 0: what the link's MTU takes, 8900 at most
 };
 

@@ -28,7 +28,7 @@ struct TakeProgress {
 struct CameraStatus {
   std::string name, device, state, model, serial, pixel_format, problem;
   std::uint32_t width = 0, height = 0, packet_size = 0, socket_buffer_bytes = 0;
-  std::uint64_t frames = 0, incomplete = 0, resend_requests = 0;
+  std::uint64_t frames = 0, incomplete = 0, dropped = 0, resend_requests = 0;
   double rate_hz = 0.0;                          // frames in the last second or so
   std::map<std::string, std::uint64_t> missing;  // holes of the running take (or live, or the last take) by cause
   std::optional<double> clipped;                 // share of pixels at their end, 0 .. 1; nothing: no pictures come

@@ -17,6 +17,7 @@ CameraStatus from_message(const v1::CameraStatus& m) {
           .socket_buffer_bytes = m.socket_buffer_bytes(),
           .frames = m.frames(),
           .incomplete = m.incomplete(),
+          .dropped = m.dropped(),
           .resend_requests = m.resend_requests(),
           .rate_hz = m.rate_hz(),
           .missing = {m.missing().begin(), m.missing().end()},
@@ -40,6 +41,7 @@ void fill(const CameraStatus& camera, v1::CameraStatus& m) {
   m.set_socket_buffer_bytes(camera.socket_buffer_bytes);
   m.set_frames(camera.frames);
   m.set_incomplete(camera.incomplete);
+  m.set_dropped(camera.dropped);
   m.set_resend_requests(camera.resend_requests);
   m.set_rate_hz(camera.rate_hz);
   m.mutable_missing()->insert(camera.missing.begin(), camera.missing.end());

@@ -322,7 +322,7 @@ std::vector<DiscoveredCamera> discover_aravis_cameras() {
     const std::string address = text(arv_get_device_address(i));
     cameras.push_back({"aravis", address, text(arv_get_device_serial_nbr(i)), gige ? read_user_name(address) : "",
                        text(arv_get_device_vendor(i)), text(arv_get_device_model(i)),
-                       text(arv_get_device_physical_id(i))});
+                       text(arv_get_device_physical_id(i)), ""});
   });
   return cameras;
 }

@@ -160,6 +160,7 @@ SourceDescription ReplaySource::description() const {
   description.width = camera.width;
   description.height = camera.height;
   description.format = camera.format;
+  description.ycbcr = camera.ycbcr;
   return description;
 }
 

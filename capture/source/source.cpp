@@ -8,6 +8,7 @@
 
 #include "capture/source/aravis_source.h"
 #include "capture/source/replay_source.h"
+#include "capture/source/v4l2_source.h"
 #include "config/errors.h"
 
 namespace rotunda::capture {
@@ -23,6 +24,7 @@ struct SourceKind {
 constexpr std::array source_table{
     SourceKind{"aravis", make_aravis_source, discover_aravis_cameras},
     SourceKind{"replay", make_replay_source, discover_replay_cameras},
+    SourceKind{"v4l2", make_v4l2_source, discover_v4l2_cameras},
 };
 
 }  // namespace

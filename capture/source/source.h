@@ -28,15 +28,22 @@ SourceState checked_transition(SourceState from, SourceState to, const CameraId&
 enum class TriggerMode { freerun, software, action, line };  // line: pulses on Line0
 std::string_view to_string(TriggerMode mode);
 
+// A camera's own control or feature, by the name its maker or driver gave it.
+struct CameraControl {
+  std::string name;   // "white_balance_automatic"
+  std::string value;  // a number, true or false, or the word of a menu's row
+};
+
 struct SourceSettings {
   CameraId camera;
   std::string kind = "aravis";
-  std::string device;  // IP address, serial number, user name or MAC
+  std::string device;  // aravis: IP address, serial number, user name or MAC; v4l2: path, serial number or bus address
   int width = 0;       // pixels; 0: as the camera has it
   int height = 0;
   PixelFormat format = PixelFormat::bayer_rg8;
   std::optional<double> exposure_us;  // nothing: as the camera has it
   std::optional<double> gain_db;
+  std::vector<CameraControl> controls;  // written in this order, then exposure_us; v4l2 only
   std::optional<double> frame_rate_hz;  // of the camera in freerun, else of the triggers
   int packet_size = 0;                  // bytes with IP and UDP headers; 0: fits the link's MTU
   TriggerMode trigger = TriggerMode::freerun;
@@ -50,9 +57,10 @@ struct SourceSettings {
 struct SourceStats {
   std::uint64_t frames = 0;      // handed on
   std::uint64_t incomplete = 0;  // came with packets missing, or not as agreed
+  std::uint64_t dropped = 0;     // never came: gaps in the driver's count of frames
   std::uint64_t resend_requests = 0;
   std::uint64_t missing_packets = 0;  // of incomplete frames, from the first gap on: an upper bound
-  std::uint64_t underruns = 0;        // packets that found no buffer
+  std::uint64_t underruns = 0;        // packets, or frames, that found no buffer
   int socket_buffer_bytes = 0;        // granted; 0 until armed
   int packet_size = 0;
   bool packet_socket = false;
@@ -67,14 +75,17 @@ struct SourceDescription {
   int width = 0;
   int height = 0;
   PixelFormat format = PixelFormat::mono8;
-  std::chrono::nanoseconds exposure{};  // 0: the camera does not tell
-  std::vector<std::string> warnings;    // what works, but not as well as it should, and the cure
+  YcbcrCoding ycbcr = YcbcrCoding::bt601_limited;  // of frames that are Y'CbCr
+  std::chrono::nanoseconds exposure{};             // 0: the camera does not tell
+  std::vector<std::string> warnings;               // what works, but not as well as it should, and the cure
 };
 
 // A frame that came, but not whole.
 struct IncompleteFrame {
   CameraId camera;
   std::optional<Timestamp> exposure_start;  // when its first packet came
+  HoleReason because = HoleReason::packets_lost;
+  std::string flaw;  // what was wrong, where more is known: "cut short: 100 of 256 bytes"
 };
 
 // Both are called on the camera's stream thread, and must only pass things on. Neither may call the source.
@@ -113,6 +124,7 @@ struct DiscoveredCamera {
   std::string vendor;
   std::string model;
   std::string mac;
+  std::string pixel_format;  // one that it sends, where the kind of source tells
 };
 
 // Every camera that answers, of every kind, sorted by kind and address. Takes a second or so.

@@ -4,6 +4,7 @@
 #include <netinet/in.h>
 #include <sys/socket.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -62,8 +63,11 @@ int init_rig(const fs::path& file) {
     camera.source = found[i].kind;
     camera.find_by = found[i].serial.empty() ? "address" : "serial";
     camera.device = found[i].serial.empty() ? found[i].address : found[i].serial;
+    if (!found[i].pixel_format.empty()) camera.pixel_format = found[i].pixel_format;
     rig.cameras.push_back(camera);
   }
+  if (std::all_of(found.begin(), found.end(), [](const auto& camera) { return camera.kind == "v4l2"; }))
+    rig.trigger.mode = "freerun";  // they know no trigger that we could give
   write_new_file(file, config::rig_file_text(rig));
   fmt::print("{}: {} cameras\nnext: rotundad --rig {}\n", file.string(), found.size(), file.string());
   return kDone;
@@ -79,7 +83,8 @@ int list_cameras(bool as_json) {
                        {"user_name", camera.user_name},
                        {"vendor", camera.vendor},
                        {"model", camera.model},
-                       {"mac", camera.mac}});
+                       {"mac", camera.mac},
+                       {"pixel_format", camera.pixel_format}});
   if (as_json) {
     fmt::print("{}\n", json{{"cameras", cameras}}.dump(2));
     return kDone;
@@ -105,6 +110,7 @@ json to_json(const RigStatus& status) {
                        {"pixel_format", camera.pixel_format},
                        {"frames", camera.frames},
                        {"incomplete", camera.incomplete},
+                       {"dropped", camera.dropped},
                        {"resend_requests", camera.resend_requests},
                        {"packet_size", camera.packet_size},
                        {"socket_buffer_bytes", camera.socket_buffer_bytes},
@@ -151,13 +157,13 @@ void print_status(const RigStatus& status) {
     fmt::print("take {}: {} frame sets, {} complete{}\n", status.take.name, status.take.frame_sets,
                status.take.complete, status.take.closed ? "" : ", recording");
   for (const auto& warning : status.warnings) fmt::print("warning: {}\n", warning);
-  fmt::print("\n{:<8} {:<16} {:<10} {:>11} {:<10} {:>6} {:>8} {:>8} {:>6} {:>6}  {}\n", "camera", "device", "state",
-             "size", "format", "Hz", "frames", "resends", "clip %", "focus", "missing");
+  fmt::print("\n{:<8} {:<16} {:<10} {:>11} {:<10} {:>6} {:>8} {:>8} {:>8} {:>6} {:>6}  {}\n", "camera", "device",
+             "state", "size", "format", "Hz", "frames", "dropped", "resends", "clip %", "focus", "missing");
   for (const auto& camera : status.cameras) {
-    fmt::print("{:<8} {:<16} {:<10} {:>11} {:<10} {:>6.1f} {:>8} {:>8} {:>6} {:>6}  {}\n", camera.name, camera.device,
-               camera.state, fmt::format("{}x{}", camera.width, camera.height), camera.pixel_format, camera.rate_hz,
-               camera.frames, camera.resend_requests, percent(camera.clipped), percent(camera.focus),
-               causes(camera.missing));
+    fmt::print("{:<8} {:<16} {:<10} {:>11} {:<10} {:>6.1f} {:>8} {:>8} {:>8} {:>6} {:>6}  {}\n", camera.name,
+               camera.device, camera.state, fmt::format("{}x{}", camera.width, camera.height), camera.pixel_format,
+               camera.rate_hz, camera.frames, camera.dropped, camera.resend_requests, percent(camera.clipped),
+               percent(camera.focus), causes(camera.missing));
     if (!camera.problem.empty()) fmt::print("         {}\n", camera.problem);
   }
 }

@@ -30,6 +30,7 @@ capture::SourceSettings source_settings(const config::CameraConfig& camera, cons
   settings.format = capture::pixel_format_from(camera.pixel_format).value_or(capture::PixelFormat::bayer_rg8);
   settings.exposure_us = camera.exposure_us;
   settings.gain_db = camera.gain_db;
+  for (const auto& [name, value] : camera.controls) settings.controls.push_back({name, value});
   settings.frame_rate_hz = rig.trigger.rate_hz;
   settings.packet_size = camera.packet_size;
   settings.trigger = trigger_mode_from(rig.trigger.mode);

@@ -164,6 +164,7 @@ void CameraWorker::refresh_status() {
   status_.frames = stats.frames;
   status_.rate_hz = measured_rate(stats.frames);
   status_.incomplete = stats.incomplete;
+  status_.dropped = stats.dropped;
   status_.resend_requests = stats.resend_requests;
   status_.packet_size = static_cast<std::uint32_t>(stats.packet_size);
   status_.socket_buffer_bytes = static_cast<std::uint32_t>(stats.socket_buffer_bytes);

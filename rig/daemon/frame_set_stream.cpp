@@ -71,7 +71,8 @@ void FrameSetStream::take_frame(capture::Frame&& frame) {
 void FrameSetStream::take_incomplete(const capture::IncompleteFrame& incomplete) {
   if (!is_slot(incomplete.camera)) return;
   const std::lock_guard lock(mutex_);
-  pass_on(assembler_.add_loss(incomplete.camera, incomplete.exposure_start, capture::RigClock::now()));
+  const auto now = capture::RigClock::now();
+  pass_on(assembler_.add_loss(incomplete.camera, incomplete.exposure_start, now, incomplete.because));
 }
 
 void FrameSetStream::pass_on(std::vector<capture::FrameSet> sets) {

@@ -31,7 +31,8 @@ Averages average(FrameSetStream& stream) {
     more = stream.advance();
     while (const auto set = queue.wait_pop(kPulse))
       for (const auto& slot : set->slots)
-        if (slot.frame) averages[slot.frame->camera].add(capture::to_rgb(slot.frame->image));
+        if (const auto picture = capture::picture_of(slot); !picture.rgb.empty())
+          averages[slot.frame->camera].add(picture.rgb);
   }
   return averages;
 }

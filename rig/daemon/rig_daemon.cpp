@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "capture/frame.h"
 #include "config/errors.h"
 #include "rig/daemon/plate_recording.h"
 
@@ -15,6 +16,13 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto kLookAfter = 200ms;  // a take has ended, cameras have come back: live again at the latest after this
+// A JPEG's size is not known before: a byte a pixel is more than cameras send.
+double image_bytes_of(const CameraStatus& camera) {
+  const auto width = static_cast<int>(camera.width), height = static_cast<int>(camera.height);
+  const auto format = capture::pixel_format_from(camera.pixel_format).value_or(capture::PixelFormat::mono8);
+  const bool jpeg = format == capture::PixelFormat::mjpeg;
+  return static_cast<double>(capture::image_bytes(width, height, jpeg ? capture::PixelFormat::mono8 : format));
+}
 
 double in_microseconds(std::chrono::nanoseconds time) {
   return static_cast<double>(time.count()) * 1e-3;
@@ -22,7 +30,7 @@ double in_microseconds(std::chrono::nanoseconds time) {
 
 double bytes_per_second(const RigStatus& status) {
   double bytes = 0.0;
-  for (const auto& camera : status.cameras) bytes += static_cast<double>(camera.width) * camera.height;
+  for (const auto& camera : status.cameras) bytes += image_bytes_of(camera);
   return bytes * status.rate_hz;
 }
 

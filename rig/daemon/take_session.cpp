@@ -49,6 +49,7 @@ std::vector<capture::TakeCamera> recorded_cameras(const CameraFleet& fleet) {
     camera.width = answered ? description.width : settings.width;
     camera.height = answered ? description.height : settings.height;
     camera.format = answered ? description.format : settings.format;
+    camera.ycbcr = description.ycbcr;
     if (camera.width > 0 && camera.height > 0) cameras.push_back(camera);
   }
   return cameras;

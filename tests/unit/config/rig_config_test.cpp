@@ -52,9 +52,38 @@ TEST(LoadRig, TellsEveryMistakeAtOnceWithItsPlace) {
               HasSubstr(".yaml:2:53: cameras[0].exposure_us: expected 1 to 10000000 microseconds, found \"fast\""));
   EXPECT_THAT(text, HasSubstr("cameras[1].adress: unknown key; did you mean \"address\"?"));
   EXPECT_THAT(text, HasSubstr("cameras[1].name: \"cam00\" is cameras[0] already"));
-  EXPECT_THAT(text, HasSubstr(":4:18: trigger.mode: expected one of action, freerun, line, software, found \"sometimes\""));
+  EXPECT_THAT(text,
+              HasSubstr(":4:18: trigger.mode: expected one of action, freerun, line, software, found \"sometimes\""));
   EXPECT_THAT(text, HasSubstr("trigger.rate_hz: expected a rate of 0.1 to 1000 Hz"));
   EXPECT_THAT(text, HasSubstr("volume.min: expected [x, y, z] in metres, found a list"));
+}
+
+TEST(LoadRig, ReadsV4l2CamerasWithTheirControlsInOrder) {
+  const auto rig = load_rig(written(
+      "camera_defaults: { source: v4l2, pixel_format: YUYV, controls: { gain: 3, auto_exposure: Manual Mode } }\n"
+      "cameras:\n"
+      "  - { name: a, address: /dev/video0 }\n"
+      "  - { name: b, serial: '77', controls: { white_balance_automatic: false, gain: 9 } }\n"
+      "  - { name: c, source: aravis, address: 10.0.0.3, gain_db: 2 }\n"));
+  using Controls = std::vector<std::pair<std::string, std::string>>;
+  EXPECT_EQ(rig.cameras[0].source, "v4l2");
+  EXPECT_EQ(rig.cameras[0].device, "/dev/video0");
+  EXPECT_EQ(rig.cameras[0].controls, (Controls{{"gain", "3"}, {"auto_exposure", "Manual Mode"}}));
+  EXPECT_EQ(rig.cameras[1].controls,
+            (Controls{{"gain", "9"}, {"auto_exposure", "Manual Mode"}, {"white_balance_automatic", "false"}}));
+  EXPECT_EQ(rig.cameras[2].source, "aravis");
+}
+
+TEST(LoadRig, SaysWhatACameraOfItsKindCannotHave) {
+  const auto text = mistakes_in(
+      "cameras:\n"
+      "  - { name: a, source: v4l2, mac: '02:00:00:00:00:01', gain_db: 3 }\n"
+      "  - { name: b, address: 10.0.0.2, controls: { gain: 3 } }\n"
+      "  - { name: c, source: v4l2, address: /dev/video1, controls: { gain: [1, 2] } }\n");
+  EXPECT_THAT(text, HasSubstr("cameras[0].mac: expected address (/dev/video0, /dev/v4l/by-path/...) or serial"));
+  EXPECT_THAT(text, HasSubstr("cameras[0].gain_db: expected no decibels for a v4l2 camera"));
+  EXPECT_THAT(text, HasSubstr("cameras[1].controls: expected controls only where source is v4l2"));
+  EXPECT_THAT(text, HasSubstr("cameras[2].controls: expected control names"));
 }
 
 TEST(LoadRig, TellsMistakesInTheOrderOfTheFile) {
@@ -104,8 +133,14 @@ TEST(LoadRig, SurvivesEveryTruncationOfAGoodFile) {
 TEST(RigFileText, IsAcceptedByTheLoader) {
   auto rig = load_rig(written(kOneCamera));
   rig.cameras.push_back({.name = "cam01", .find_by = "serial", .device = "SR-1"});
+  rig.cameras.push_back(
+      {.name = "usb", .source = "v4l2", .find_by = "address", .device = "/dev/video2", .pixel_format = "MJPEG"});
   const auto again = load_rig(written(rig_file_text(rig)));
-  ASSERT_EQ(again.cameras.size(), 2U);
+  ASSERT_EQ(again.cameras.size(), 3U);
+  EXPECT_EQ(again.cameras[2].source, "v4l2");
+  EXPECT_EQ(again.cameras[2].device, "/dev/video2");
+  EXPECT_EQ(again.cameras[2].pixel_format, "MJPEG");
+  EXPECT_EQ(again.cameras[1].pixel_format, "BayerRG8");
   EXPECT_EQ(again.cameras[1].find_by, "serial");
   EXPECT_EQ(again.trigger.rate_hz, rig.trigger.rate_hz);
 }
