@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <ctime>
 #include <utility>
 
 #include "config/errors.h"
@@ -84,12 +83,6 @@ const FormatRow& row_of(PixelFormat format) {
 }
 
 }  // namespace
-
-RigClock::time_point RigClock::now() noexcept {
-  timespec moment{};
-  clock_gettime(CLOCK_TAI, &moment);
-  return time_point{std::chrono::seconds{moment.tv_sec} + std::chrono::nanoseconds{moment.tv_nsec}};
-}
 
 PixelLayout layout_of(PixelFormat format) {
   return row_of(format).layout;

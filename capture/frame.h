@@ -19,7 +19,8 @@ struct RigClock {
   using period = duration::period;
   using time_point = std::chrono::time_point<RigClock>;
   static constexpr bool is_steady = false;
-  static time_point now() noexcept;  // CLOCK_TAI
+  // CLOCK_TAI, but without its steps when somebody sets this machine's clock (base/host_clock.h).
+  static time_point now() noexcept;
 };
 using Timestamp = std::chrono::time_point<RigClock, std::chrono::nanoseconds>;
 

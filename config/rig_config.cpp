@@ -90,7 +90,47 @@ void read_controls(CheckedMap& map, CameraConfig& camera) {
   }
 }
 
-void read_camera_settings(CheckedMap& map, CameraConfig& camera) {
+// `auto_once`, or a ratio for red and for blue.
+void read_white_balance(CheckedMap& map, CameraConfig& camera, Problems& problems) {
+  const auto node = map.find("white_balance");
+  if (!node) return;
+  WhiteBalanceConfig balance;
+  if (node.IsMap()) {
+    CheckedMap ratios(node, map.path_of("white_balance"), problems);
+    for (const auto* colour : {"red", "blue"}) ratios.require(colour, "a ratio against green, 0.05 to 20");
+    ratios.read<double>("red", balance.red, "a ratio of 0.05 to 20", between(0.05, 20.0));
+    ratios.read<double>("blue", balance.blue, "a ratio of 0.05 to 20", between(0.05, 20.0));
+    ratios.refuse_unknown_keys();
+  } else if (node.IsScalar() && node.Scalar() == "auto_once") {
+    balance.auto_once = true;
+  } else {
+    map.wrong(node, "white_balance", "auto_once, or { red: 1.5, blue: 1.8 }");
+  }
+  camera.white_balance = balance;
+}
+
+// A camera's own win over the same ones of camera_defaults.
+void read_features(CheckedMap& map, CameraConfig& camera) {
+  const std::string expected = "GenICam feature names with a number, a word, true or false each";
+  const auto node = map.find("features");
+  if (!node) return;
+  if (!node.IsMap()) return map.wrong(node, "features", expected);
+  for (const auto& entry : node) {
+    if (!entry.first.IsScalar() || !entry.second.IsScalar()) {
+      map.wrong(entry.second, "features", expected);
+      continue;
+    }
+    const auto name = entry.first.Scalar();
+    const auto same = std::find_if(camera.features.begin(), camera.features.end(),
+                                   [&](const auto& feature) { return feature.first == name; });
+    if (same == camera.features.end())
+      camera.features.emplace_back(name, entry.second.Scalar());
+    else
+      same->second = entry.second.Scalar();
+  }
+}
+
+void read_camera_settings(CheckedMap& map, CameraConfig& camera, Problems& problems) {
   map.read<std::string>("source", camera.source, one_of(kSources), in(kSources));
   map.read<int>("width", camera.width, "a width of 16 to 16384 pixels", between(16, 16384));
   map.read<int>("height", camera.height, "a height of 16 to 16384 pixels", between(16, 16384));
@@ -107,6 +147,17 @@ void read_camera_settings(CheckedMap& map, CameraConfig& camera) {
     camera.gain_db = number;
   }
   read_controls(map, camera);
+  const auto read_offset = [&](const char* key, std::optional<int>& into) {
+    int offset = 0;
+    if (!map.find(key)) return;
+    map.read<int>(key, offset, "0 to 16384 pixels", between(0, 16384));
+    into = offset;
+  };
+  read_offset("offset_x", camera.offset_x);
+  read_offset("offset_y", camera.offset_y);
+  map.read<std::string>("user_set", camera.user_set, "the name of a user set, such as UserSet1");
+  read_white_balance(map, camera, problems);
+  read_features(map, camera);
 }
 
 // What a kind of source cannot have. camera_defaults may hold it for the cameras of other kinds.
@@ -141,7 +192,7 @@ CameraConfig read_camera(const YAML::Node& node, std::size_t index, const Camera
   CheckedMap map(node, fmt::format("cameras[{}]", index), problems);
   CameraConfig camera = defaults;
   if (node.IsMap()) read_identity(map, camera, node);
-  read_camera_settings(map, camera);
+  read_camera_settings(map, camera, problems);
   refuse_what_the_source_lacks(map, camera);
   map.refuse_unknown_keys();
   return camera;
@@ -165,7 +216,7 @@ void read_cameras(CheckedMap& root, RigConfig& rig, Problems& problems) {
   CameraConfig defaults;
   if (const auto node = root.find("camera_defaults")) {
     CheckedMap map(node, "camera_defaults", problems);
-    read_camera_settings(map, defaults);
+    read_camera_settings(map, defaults, problems);
     map.refuse_unknown_keys();
   }
   root.require("cameras", "a list with one entry a camera");
@@ -192,6 +243,9 @@ void read_trigger(CheckedMap& root, TriggerConfig& trigger, Problems& problems) 
   map.read<std::uint32_t>("group_key", trigger.group_key, "a 32-bit number");
   map.read<std::uint32_t>("group_mask", trigger.group_mask, "a 32-bit number other than 0",
                           [](std::uint32_t mask) { return mask != 0; });
+  map.read<bool>("ptp", trigger.ptp, "true or false");
+  map.read<double>("ptp_offset_limit_us", trigger.ptp_offset_limit_us, "0.01 to 1e6 microseconds", between(0.01, 1e6));
+  map.read<double>("ptp_wait_s", trigger.ptp_wait_s, "0 to 600 seconds", between(0.0, 600.0));
   map.read<std::string>("box", trigger.box, "a trigger box's serial number");
   map.read<double>("pulse_width_us", trigger.pulse_width_us, "1 to 1e6 microseconds", between(1.0, 1e6));
   map.read<std::vector<double>>(

@@ -11,6 +11,11 @@
 
 namespace rotunda::config {
 
+struct WhiteBalanceConfig {
+  bool auto_once = false;        // the camera finds its ratios itself when it starts
+  double red = 1.0, blue = 1.0;  // against green
+};
+
 // How one camera is found and set. `find_by` says which of its names `device` is.
 struct CameraConfig {
   std::string name;               // "cam00": letters, digits, '-' and '_'; also its file name in a take
@@ -23,6 +28,10 @@ struct CameraConfig {
   std::optional<double> exposure_us;
   std::optional<double> gain_db;
   std::vector<std::pair<std::string, std::string>> controls;  // v4l2: name and value, in the file's order
+  std::optional<int> offset_x, offset_y;  // of the region on the sensor, pixels
+  std::optional<WhiteBalanceConfig> white_balance;
+  std::string user_set;                                       // of the camera, loaded first; empty: none
+  std::vector<std::pair<std::string, std::string>> features;  // GenICam name and value, in the file's order
   int packet_size = 0;  // bytes with IP and UDP headers; 0: what the link's MTU takes, 8900 at most
 };
 
@@ -36,6 +45,9 @@ struct TriggerConfig {
   std::uint32_t group_mask = 1;
   std::string box;                     // serial number of the trigger box in mode `line`; empty: the only one
   double pulse_width_us = 1000.0;      // of its pulses
+  bool ptp = true;                     // cameras that can follow a PTP master do
+  double ptp_offset_limit_us = 100.0;  // a camera further from its master is told
+  double ptp_wait_s = 12.0;            // for a camera's clock, before it streams
   std::vector<double> line_delays_us;  // of each of its lines after the trigger's moment; missing ones are 0
 };
 

@@ -33,6 +33,10 @@ struct CameraStatus {
   std::map<std::string, std::uint64_t> missing;  // holes of the running take (or live, or the last take) by cause
   std::optional<double> clipped;                 // share of pixels at their end, 0 .. 1; nothing: no pictures come
   std::optional<double> focus;                   // 0 .. 1: how much of the finest detail is there
+  std::optional<std::string> clock;              // "ptp slave" or another state of its port, "model", "none"
+  std::optional<double> clock_offset_us;         // from its PTP master, or of the last reading from its model
+  std::optional<double> clock_error_us;          // how wrong its time stamps may be
+  std::optional<double> temperature_c;           // of the device; nothing: it does not tell
   std::optional<double> offset_us, drift_ppm;    // of exposure starts from their triggers; nothing: no pictures come
 };
 

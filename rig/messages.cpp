@@ -23,6 +23,10 @@ CameraStatus from_message(const v1::CameraStatus& m) {
           .missing = {m.missing().begin(), m.missing().end()},
           .clipped = m.has_clipped() ? std::optional(m.clipped()) : std::nullopt,
           .focus = m.has_focus() ? std::optional(m.focus()) : std::nullopt,
+          .clock = m.has_clock() ? std::optional(m.clock()) : std::nullopt,
+          .clock_offset_us = m.has_clock_offset_us() ? std::optional(m.clock_offset_us()) : std::nullopt,
+          .clock_error_us = m.has_clock_error_us() ? std::optional(m.clock_error_us()) : std::nullopt,
+          .temperature_c = m.has_temperature_c() ? std::optional(m.temperature_c()) : std::nullopt,
           .offset_us = m.has_offset_us() ? std::optional(m.offset_us()) : std::nullopt,
           .drift_ppm = m.has_drift_ppm() ? std::optional(m.drift_ppm()) : std::nullopt};
 }
@@ -47,6 +51,10 @@ void fill(const CameraStatus& camera, v1::CameraStatus& m) {
   m.mutable_missing()->insert(camera.missing.begin(), camera.missing.end());
   if (camera.clipped) m.set_clipped(*camera.clipped);
   if (camera.focus) m.set_focus(*camera.focus);
+  if (camera.clock) m.set_clock(*camera.clock);
+  if (camera.clock_offset_us) m.set_clock_offset_us(*camera.clock_offset_us);
+  if (camera.clock_error_us) m.set_clock_error_us(*camera.clock_error_us);
+  if (camera.temperature_c) m.set_temperature_c(*camera.temperature_c);
   if (camera.offset_us) m.set_offset_us(*camera.offset_us);
   if (camera.drift_ppm) m.set_drift_ppm(*camera.drift_ppm);
 }

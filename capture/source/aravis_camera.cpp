@@ -7,6 +7,8 @@
 #include <mutex>
 #include <utility>
 
+#include "capture/source/aravis_features.h"
+#include "capture/source/camera_settings.h"
 #include "capture/source/stream_socket.h"
 
 namespace rotunda::capture {
@@ -108,8 +110,22 @@ void set_size(ArvCamera* camera, const SourceSettings& settings, SourceDescripti
   description.height = height;
 }
 
-// A value the camera rounds to its own steps is fine; one it clamps is not.
-void check_taken(const SourceSettings& settings, const char* what, double wanted, double found, const char* unit) {
+// Where the region lies; a camera may have it in steps of its own, which is told.
+void set_offset(ArvCamera* camera, const SourceSettings& settings, SourceDescription& description) {
+  AravisFeatures features(camera, settings.camera);
+  std::vector<CameraControl> offsets;
+  if (settings.offset_x) offsets.push_back({"OffsetX", std::to_string(*settings.offset_x)});
+  if (settings.offset_y) offsets.push_back({"OffsetY", std::to_string(*settings.offset_y)});
+  for (const auto& difference : set_features(features, settings.camera, offsets))
+    description.warnings.push_back(to_string(difference));
+}
+
+// A value the camera rounds to its own steps is fine, and told; one it clamps is not.
+void check_taken(const SourceSettings& settings, const char* what, double wanted, double found, const char* unit,
+                 SourceDescription& description) {
+  const SettingDifference difference{what, fmt::format("{} {}", wanted, unit), fmt::format("{} {}", found, unit)};
+  if (!is_same_setting(fmt::format("{}", wanted), fmt::format("{}", found)))
+    description.warnings.push_back(to_string(difference));
   if (std::abs(found - wanted) > 0.02 * std::abs(wanted) + 0.1)
     throw DeviceError(settings.camera, fmt::format("{} has {} {} {} where {} was asked; choose a value it can take",
                                                    settings.device, what, found, unit, wanted));
@@ -126,7 +142,7 @@ void set_exposure_and_gain(ArvCamera* camera, const SourceSettings& settings, So
   if (arv_camera_is_exposure_time_available(camera, untold.out()) && !untold) {
     const double us =
         ask(settings, "reading the exposure", [&](GError** e) { return arv_camera_get_exposure_time(camera, e); });
-    if (settings.exposure_us) check_taken(settings, "an exposure of", *settings.exposure_us, us, "us");
+    if (settings.exposure_us) check_taken(settings, "an exposure of", *settings.exposure_us, us, "us", description);
     description.exposure = std::chrono::nanoseconds(std::llround(us * 1e3));
   }
   if (settings.gain_db) {
@@ -134,7 +150,7 @@ void set_exposure_and_gain(ArvCamera* camera, const SourceSettings& settings, So
       ask(settings, "GainAuto", [&](GError** e) { arv_camera_set_gain_auto(camera, ARV_AUTO_OFF, e); });
     ask(settings, "setting the gain", [&](GError** e) { arv_camera_set_gain(camera, *settings.gain_db, e); });
     const double db = ask(settings, "reading the gain", [&](GError** e) { return arv_camera_get_gain(camera, e); });
-    check_taken(settings, "a gain of", *settings.gain_db, db, "dB");
+    check_taken(settings, "a gain of", *settings.gain_db, db, "dB", description);
   }
 }
 
@@ -235,13 +251,21 @@ SourceDescription configure_camera(ArvCamera* camera, const SourceSettings& sett
   description.serial = or_empty(arv_camera_get_device_serial_number(camera, nullptr));
   if (arv_camera_is_gv_device(camera))
     description.address = address_of(arv_gv_device_get_device_address(ARV_GV_DEVICE(arv_camera_get_device(camera))));
+  AravisFeatures features(camera, settings.camera);
+  if (!settings.user_set.empty()) load_user_set(features, settings.camera, settings.user_set);
   set_size(camera, settings, description);
+  set_offset(camera, settings, description);
   description.format = set_pixel_format(camera, settings);
   set_exposure_and_gain(camera, settings, description);
   if (has_feature(camera, "AcquisitionMode"))
     ask(settings, "AcquisitionMode",
         [&](GError** e) { arv_camera_set_acquisition_mode(camera, ARV_ACQUISITION_MODE_CONTINUOUS, e); });
+  std::vector<SettingDifference> differences;
+  if (settings.white_balance) differences = set_white_balance(features, settings.camera, *settings.white_balance);
   set_trigger(camera, settings);
+  for (auto& difference : set_features(features, settings.camera, settings.features))
+    differences.push_back(std::move(difference));
+  for (const auto& difference : differences) description.warnings.push_back(to_string(difference));
   return description;
 }
 
@@ -251,6 +275,9 @@ StreamChannel configure_stream_channel(ArvCamera* camera, const SourceSettings& 
       address_of(arv_gv_device_get_interface_address(ARV_GV_DEVICE(arv_camera_get_device(camera))));
   const int mtu = mtu_of_interface(interface);
   StreamChannel channel;
+  const auto link = link_with_address(interface);
+  channel.link = link.name;
+  channel.link_bits_per_second = link.bits_per_second;
   channel.on_loopback = interface.rfind("127.", 0) == 0;
   const int size = packet_size_for(camera, settings, mtu > 0 ? mtu : default_mtu);
   ask(settings, fmt::format("setting packets of {} bytes", size),
@@ -264,6 +291,21 @@ StreamChannel configure_stream_channel(ArvCamera* camera, const SourceSettings& 
   arv_camera_gv_set_stream_options(
       camera, channel.packet_socket ? ARV_GV_STREAM_OPTION_NONE : ARV_GV_STREAM_OPTION_PACKET_SOCKET_DISABLED);
   return channel;
+}
+
+// In ticks of the camera's clock, both.
+void configure_pacing(ArvCamera* camera, const SourceSettings& settings, const StreamPacing& pacing) {
+  if (!arv_camera_is_gv_device(camera)) return;
+  ask(settings, "setting the packet delay (GevSCPD)",
+      [&](GError** e) { arv_camera_gv_set_packet_delay(camera, pacing.packet_delay.count(), e); });
+  if (!has_feature(camera, "GevSCFTD")) return;
+  ErrorCatcher untold;
+  const auto hertz =
+      arv_gv_device_get_timestamp_tick_frequency(ARV_GV_DEVICE(arv_camera_get_device(camera)), untold.out());
+  const double ticks =
+      static_cast<double>(pacing.start_delay.count()) * (hertz > 0 ? static_cast<double>(hertz) : 1e9) * 1e-9;
+  ask(settings, "setting the start delay (GevSCFTD)",
+      [&](GError** e) { arv_camera_set_integer(camera, "GevSCFTD", std::llround(ticks), e); });
 }
 
 void start_acquisition(ArvCamera* camera, const SourceSettings& settings) {

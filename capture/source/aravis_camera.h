@@ -15,7 +15,8 @@ void with_device_list(const std::function<void(unsigned)>& each);
 // Throws DeviceError if nobody answers, or if another program controls the camera.
 GRef<ArvCamera> open_camera(const SourceSettings& settings);
 
-// Image size, pixel format, exposure, gain, trigger. The answer's warnings are empty.
+// The user set, then region, pixel format, exposure, gain, white balance, trigger, features by name. The answer's
+// warnings are what the camera has otherwise than asked.
 SourceDescription configure_camera(ArvCamera* camera, const SourceSettings& settings);
 
 // How a GigE Vision camera's packets come to us. Throws DeviceError if the asked packet size does not fit the link.
@@ -23,8 +24,13 @@ struct StreamChannel {
   int packet_size = 0;
   bool packet_socket = false;
   bool on_loopback = false;
+  std::string link;  // network interface
+  double link_bits_per_second = 0.0;
 };
 StreamChannel configure_stream_channel(ArvCamera* camera, const SourceSettings& settings);
+
+// Throws DeviceError if the camera takes no packet delay; one that knows no start delay starts at once.
+void configure_pacing(ArvCamera* camera, const SourceSettings& settings, const StreamPacing& pacing);
 
 void start_acquisition(ArvCamera* camera, const SourceSettings& settings);
 void stop_acquisition(ArvCamera* camera, const SourceSettings& settings);

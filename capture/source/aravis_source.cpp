@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "capture/source/aravis_camera.h"
+#include "capture/source/aravis_features.h"
 #include "capture/source/buffer_pool.h"
 #include "capture/source/exposure_counter.h"
 #include "capture/source/stream_socket.h"
@@ -32,9 +33,11 @@ class AravisSource final : public Source {
 
   void open() override;
   void arm() override;
+  void pace(const StreamPacing& pacing) override;
   void start(FrameSink frames, IncompleteSink incomplete) override;
   void stop() override;
   void software_trigger() override;
+  SourceHealth look() override;
   void close() noexcept override;
   std::optional<std::string> heal() override;
 
@@ -54,7 +57,9 @@ class AravisSource final : public Source {
   void make_stream();
   void drop_stream() noexcept;
   bool hears_no_frames();
+  SourceHealth ask_health();
   void hand_on(ArvBuffer* buffer);
+  std::optional<Timestamp> exposure_start_of(ArvBuffer* buffer);
   bool is_whole(ArvBuffer* buffer) const;
   Frame frame_in(ArvBuffer* buffer, const std::uint8_t* data);
 
@@ -68,7 +73,9 @@ class AravisSource final : public Source {
   StreamChannel channel_;
   int socket_buffer_bytes_ = 0;
 
-  std::mutex sink_mutex_;  // held while a sink is called, so that stop() can promise silence
+  std::mutex sink_mutex_;     // held while a sink is called, so that stop() can promise silence
+  ClockMap clock_map_;        // likewise: of the time stamps
+  bool guess_clock_ = false;  // likewise: nothing is known of the camera's clock; the first frame will tell
   FrameSink frame_sink_;
   IncompleteSink incomplete_sink_;
 
@@ -78,6 +85,8 @@ class AravisSource final : public Source {
 
   GRef<ArvCamera> camera_;
   ArvPixelFormat pixel_format_ = 0;  // that frames must have, since arm()
+  std::optional<AravisFeatures> features_;
+  std::optional<ClockWatch> clock_;
   GRef<ArvStream> stream_;
   std::shared_ptr<BufferPool> pool_;
 };
@@ -102,6 +111,7 @@ void AravisSource::become(SourceState next) {
 void AravisSource::open() {
   require(SourceState::closed, "opened");
   camera_ = open_camera(settings_);
+  features_.emplace(camera_.get(), settings_.camera);
   become(SourceState::open);
   if (arv_camera_is_gv_device(camera_.get()))
     g_signal_connect(arv_camera_get_device(camera_.get()), "control-lost", G_CALLBACK(on_control_lost), this);
@@ -120,9 +130,14 @@ void AravisSource::arm() {
   {
     const std::lock_guard lock(mutex_);
     description_ = std::move(description);
+    description_.link = channel.link;
+    description_.link_bits_per_second = channel.link_bits_per_second;
     channel_ = channel;
   }
   make_stream();
+  clock_.emplace(*features_, settings_.clock);
+  clock_->begin();
+  ask_health();
   become(SourceState::armed);
 }
 
@@ -180,6 +195,40 @@ std::optional<std::string> AravisSource::heal() {
       settings_.camera, settings_.device);
 }
 
+SourceHealth AravisSource::ask_health() {
+  SourceHealth health{.clock = clock_->look(), .temperature_c = std::nullopt};
+  if (features_->has("DeviceTemperature")) health.temperature_c = read_number(*features_, "DeviceTemperature");
+  const std::lock_guard lock(sink_mutex_);
+  if (health.clock.kind == "none") {
+    guess_clock_ = guess_clock_ || state_ != SourceState::streaming;
+  } else {
+    guess_clock_ = false;
+    clock_map_ = clock_->map();
+  }
+  return health;
+}
+
+// A camera may refuse to tell something and work all the same; one that does not answer at all is lost.
+SourceHealth AravisSource::look() {
+  if (state_ != SourceState::streaming) require(SourceState::armed, "looked at");
+  try {
+    return ask_health();
+  } catch (const DeviceError& error) {
+    if (features_->is_gone()) {
+      state_ = SourceState::lost;
+      throw DeviceError(settings_.camera, settings_.device + " does not answer any more; check its cable and power");
+    }
+    SourceHealth health;
+    health.clock.problem = error.what();
+    return health;
+  }
+}
+
+void AravisSource::pace(const StreamPacing& pacing) {
+  require(SourceState::armed, "paced");
+  configure_pacing(camera_.get(), settings_, pacing);
+}
+
 // Resend of lost packets is on where the camera can. A frame still short of packets must be given up before the next
 // one is due, or it holds up those behind it.
 void AravisSource::tune(ArvStream* stream) const {
@@ -235,6 +284,8 @@ void AravisSource::close() noexcept {
   set_sinks({}, {});
   if (camera_ && state_ == SourceState::streaming) arv_camera_stop_acquisition(camera_.get(), nullptr);
   drop_stream();
+  clock_.reset();
+  features_.reset();
   if (camera_) g_signal_handlers_disconnect_by_data(arv_camera_get_device(camera_.get()), this);
   camera_.reset();
   state_ = SourceState::closed;
@@ -261,10 +312,19 @@ bool AravisSource::is_whole(ArvBuffer* buffer) const {
 }
 
 Frame AravisSource::frame_in(ArvBuffer* buffer, const std::uint8_t* data) {
-  const Timestamp start{std::chrono::nanoseconds(arv_buffer_get_timestamp(buffer))};
+  const Timestamp start = exposure_start_of(buffer).value_or(Timestamp{});
   Image image{description_.width, description_.height, description_.format, pool_->lend(buffer, data)};
   return {settings_.camera, 0, counter_.count(arv_buffer_get_frame_id(buffer)), start, description_.exposure,
           std::move(image)};
+}
+
+// Nothing if the packet that has it was lost.
+std::optional<Timestamp> AravisSource::exposure_start_of(ArvBuffer* buffer) {
+  const DeviceTime stamp(static_cast<DeviceTime::rep>(arv_buffer_get_timestamp(buffer)));
+  if (stamp.count() == 0) return std::nullopt;
+  if (std::exchange(guess_clock_, false))
+    clock_map_ = {.rig_origin = Timestamp(guessed_clock_shift(Timestamp(stamp), RigClock::now()))};
+  return clock_map_.rig_time(stamp);
 }
 
 void AravisSource::hand_on(ArvBuffer* buffer) {
@@ -278,12 +338,10 @@ void AravisSource::hand_on(ArvBuffer* buffer) {
     if (frame_sink_) frame_sink_(std::move(frame));
     return;
   }
-  const std::uint64_t time = arv_buffer_get_timestamp(buffer);
+  const auto start = exposure_start_of(buffer);
   pool_->give_back(buffer);
   ++incomplete_;
-  if (incomplete_sink_)
-    incomplete_sink_(
-        {settings_.camera, time ? std::optional(Timestamp(std::chrono::nanoseconds(time))) : std::nullopt});
+  if (incomplete_sink_) incomplete_sink_({settings_.camera, start});
 }
 
 SourceStats AravisSource::stats() const {

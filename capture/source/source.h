@@ -1,10 +1,10 @@
 #pragma once
 // One camera, real or simulated, as the daemon sees it: opened, armed, streaming, lost. Kinds of source are rows of one
-// table in source.cpp. Frames come with the camera's own time of exposure start (nanoseconds; TAI when the camera
-// follows the rig's clock) and leave Frame::trigger to the FrameSetAssembler.
-// Device calls (open, arm, start, stop, close, software_trigger) block up to seconds when a camera does not answer:
-// call them from one thread per camera, never from a control loop. state(), stats() and description() never block and
-// may be called from any thread.
+// table in source.cpp. Frames come with their exposure's start by the camera's clock, moved to the rig's where that is
+// not the same (capture/sync/clock_watch.h), and leave Frame::trigger to the FrameSetAssembler.
+// Device calls (open, arm, look, start, stop, close, software_trigger) block up to seconds when a camera does not
+// answer: call them from one thread per camera, never from a control loop. state(), stats() and description() never
+// block and may be called from any thread.
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -14,6 +14,8 @@
 #include <vector>
 
 #include "capture/frame.h"
+#include "capture/sync/bandwidth_plan.h"
+#include "capture/sync/clock_watch.h"
 
 namespace rotunda::capture {
 
@@ -34,6 +36,11 @@ struct CameraControl {
   std::string value;  // a number, true or false, or the word of a menu's row
 };
 
+struct WhiteBalance {
+  bool auto_once = false;        // the camera finds its ratios itself, once
+  double red = 1.0, blue = 1.0;  // gain of these against green's
+};
+
 struct SourceSettings {
   CameraId camera;
   std::string kind = "aravis";
@@ -41,11 +48,17 @@ struct SourceSettings {
   int width = 0;       // pixels; 0: as the camera has it
   int height = 0;
   PixelFormat format = PixelFormat::bayer_rg8;
-  std::optional<double> exposure_us;  // nothing: as the camera has it
+  std::optional<int> offset_x, offset_y;  // of the region on the sensor, pixels
+  std::optional<double> exposure_us;      // nothing: as the camera has it
   std::optional<double> gain_db;
   std::vector<CameraControl> controls;  // written in this order, then exposure_us; v4l2 only
+  std::optional<WhiteBalance> white_balance;
+  std::string user_set;                 // the camera's stored settings to start from; empty: as it is
+  std::vector<CameraControl> features;  // written last, in this order; aravis only
   std::optional<double> frame_rate_hz;  // of the camera in freerun, else of the triggers
-  int packet_size = 0;                  // bytes with IP and UDP headers; 0: fits the link's MTU
+  ClockWatchOptions clock;
+  std::chrono::milliseconds clock_patience{12000};  // a PTP clock is waited for so long before the camera streams
+  int packet_size = 0;                              // bytes with IP and UDP headers; 0: fits the link's MTU
   TriggerMode trigger = TriggerMode::freerun;
   std::uint32_t device_key = 0;  // for TriggerMode::action
   std::uint32_t group_key = 0;
@@ -76,8 +89,16 @@ struct SourceDescription {
   int height = 0;
   PixelFormat format = PixelFormat::mono8;
   YcbcrCoding ycbcr = YcbcrCoding::bt601_limited;  // of frames that are Y'CbCr
+  std::string link;                                // the network interface its packets come in by; empty: none
+  double link_bits_per_second = 0.0;               // 0: no limit is known
   std::chrono::nanoseconds exposure{};             // 0: the camera does not tell
   std::vector<std::string> warnings;               // what works, but not as well as it should, and the cure
+};
+
+// What a camera says of itself while it works.
+struct SourceHealth {
+  ClockState clock;
+  std::optional<double> temperature_c;  // of the device
 };
 
 // A frame that came, but not whole.
@@ -99,10 +120,15 @@ class Source {
   // Each throws InvalidInput when called in the wrong state, DeviceError when the camera does not play along.
   virtual void open() = 0;
   virtual void arm() = 0;  // writes the settings, reads them back, makes the buffers ready
+  // How the packets follow each other, for kinds of source whose link is shared. Armed.
+  virtual void pace(const StreamPacing&) {}
   virtual void start(FrameSink frames, IncompleteSink incomplete = {}) = 0;
   virtual void stop() = 0;              // no sink is called after it returns
   virtual void software_trigger() = 0;  // while streaming, TriggerMode::software
-  virtual void close() noexcept = 0;    // frames that readers hold stay good
+  // Asks how the camera is, and follows its clock: once a second will do. Armed or streaming. A camera that does not
+  // answer is lost. Kinds of source that have nothing to tell tell nothing.
+  virtual SourceHealth look() { return {}; }
+  virtual void close() noexcept = 0;  // frames that readers hold stay good
   // While streaming, every now and then: if the camera sends and yet no frame comes of it any more, receives it anew
   // and returns what was wrong. Nothing if all is well. Blocks like the calls above.
   virtual std::optional<std::string> heal() { return std::nullopt; }

@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <optional>
 #include <system_error>
@@ -65,6 +66,14 @@ int set_receive_buffer(std::uint16_t port, int bytes) {
   int booked = 0;
   socklen_t length = sizeof booked;
   return ::getsockopt(*fd, SOL_SOCKET, SO_RCVBUF, &booked, &length) == 0 ? booked / 2 : 0;
+}
+
+NetworkLink link_with_address(const std::string& address) {
+  NetworkLink link{interface_with(address)};
+  double megabits = 0.0;
+  std::ifstream speed("/sys/class/net/" + link.name + "/speed");
+  if (!link.name.empty() && speed >> megabits && megabits > 0.0) link.bits_per_second = megabits * 1e6;
+  return link;
 }
 
 int mtu_of_interface(const std::string& address) {

@@ -12,6 +12,13 @@ inline constexpr int wanted_socket_buffer_bytes = 4 << 20;
 // as asked for (half of what the kernel books), or 0 if no such socket was found.
 int set_receive_buffer(std::uint16_t port, int bytes);
 
+// The network interface of this machine that has an address.
+struct NetworkLink {
+  std::string name;              // "eth0"; empty: none has it
+  double bits_per_second = 0.0;  // as it says in /sys/class/net; 0: has no limit or does not tell (loopback)
+};
+NetworkLink link_with_address(const std::string& address);
+
 // MTU of the interface with this IPv4 address, or 0 if there is none.
 int mtu_of_interface(const std::string& address);
 

@@ -14,6 +14,15 @@ namespace rotunda::capture {
 // Nanoseconds of a device's own clock, whenever it began.
 using DeviceTime = std::chrono::nanoseconds;
 
+// A straight line from a device's clock to the rig's. By default the device's clock is the rig's.
+struct ClockMap {
+  DeviceTime device_origin{};
+  Timestamp rig_origin;
+  double rate = 1.0;  // rig nanoseconds a device nanosecond
+
+  Timestamp rig_time(DeviceTime device) const;
+};
+
 struct ClockReading {
   Timestamp asked, answered;  // rig times round the device's answer
   DeviceTime device{};
@@ -29,13 +38,15 @@ class ClockModel {
   explicit ClockModel(const ClockModelOptions& options = {}) : options_(options) {}
 
   // Throws InvalidInput for a reading that was answered before it was asked. A device clock that runs backwards or
-  // jumps by more than a second against the rig's has been set anew: what was known of it is forgotten.
+  // jumps by more than 50 ms and the reading's bracket against the rig's has been set anew: what was known of it is
+  // forgotten.
   void add(const ClockReading& reading);
 
   bool ready() const { return !readings_.empty(); }
   // Of a model without readings: InvalidInput.
   Timestamp rig_time(DeviceTime device) const;
   DeviceTime device_time(Timestamp rig) const;
+  const ClockMap& map() const { return map_; }  // as of the last reading
 
   double drift_ppm() const;                // how much faster the device's clock runs than the rig's
   std::chrono::nanoseconds error() const;  // half the width of the best bracket in use: a bound where drift is steady
@@ -46,9 +57,7 @@ class ClockModel {
 
   ClockModelOptions options_;
   std::deque<ClockReading> readings_;
-  Timestamp rig_origin_;
-  DeviceTime device_origin_{};
-  double rate_ = 1.0;  // rig nanoseconds a device nanosecond
+  ClockMap map_;
   std::chrono::nanoseconds error_{};
   std::uint64_t resets_ = 0;
 };

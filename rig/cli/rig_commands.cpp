@@ -118,6 +118,10 @@ json to_json(const RigStatus& status) {
                        {"missing", camera.missing},
                        {"clipped", camera.clipped ? json(*camera.clipped) : json()},
                        {"focus", camera.focus ? json(*camera.focus) : json()},
+                       {"clock", camera.clock ? json(*camera.clock) : json()},
+                       {"clock_offset_us", camera.clock_offset_us ? json(*camera.clock_offset_us) : json()},
+                       {"clock_error_us", camera.clock_error_us ? json(*camera.clock_error_us) : json()},
+                       {"temperature_c", camera.temperature_c ? json(*camera.temperature_c) : json()},
                        {"problem", camera.problem}});
   return {{"rig", status.rig},
           {"state", status.state},

@@ -28,6 +28,13 @@ class CameraFleet {
   std::size_t streaming() const;
   // Software if any camera that streams is armed so; else the rig's.
   capture::TriggerMode trigger_mode() const;
+  // Of the cameras that stream.
+  std::vector<capture::NamedClock> clocks() const;
+  // What the cameras' clocks show less than the rig's: TAI less UTC where all of them count UTC, else 0.
+  std::chrono::nanoseconds behind_rig_clock() const;
+  // Has the cameras on one link take turns, by the bandwidth they need at this rate. Throws DeviceError with the
+  // arithmetic if it does not fit.
+  void share_links(double rate_hz);
   // Arms all cameras for trigger_mode(); waits a few seconds for those that have to change.
   void agree_on_trigger_mode();
 

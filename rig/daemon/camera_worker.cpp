@@ -13,6 +13,8 @@ namespace {
 using namespace std::chrono_literals;
 constexpr auto kRetryAfter = 2s;  // between attempts to open a camera that does not answer
 constexpr auto kRateOver = 1s;
+constexpr auto kHealthEvery = 1s;  // the camera is asked for its clock and temperature
+constexpr auto kClockPulse = 200ms;
 constexpr auto kLookAfter = 100ms;  // a lost camera is noticed at the latest after this
 
 }  // namespace
@@ -53,6 +55,30 @@ capture::SourceDescription CameraWorker::description() const {
   return description_;
 }
 
+capture::ClockState CameraWorker::clock() const {
+  const std::lock_guard lock(mutex_);
+  return health_.clock;
+}
+
+std::optional<capture::LinkLoad> CameraWorker::load() const {
+  const std::lock_guard lock(mutex_);
+  if (status_.state != "streaming") return std::nullopt;
+  return capture::LinkLoad{settings_.camera, description_.link,
+                           capture::image_bytes(description_.width, description_.height, description_.format),
+                           static_cast<int>(status_.packet_size)};
+}
+
+void CameraWorker::set_pacing(const capture::StreamPacing& pacing) {
+  const std::lock_guard lock(mutex_);
+  wanted_pacing_ = pacing;
+  wake_.notify_one();
+}
+
+bool CameraWorker::paced() const {
+  const std::lock_guard lock(mutex_);
+  return pacing_ == wanted_pacing_;
+}
+
 void CameraWorker::request_software_trigger() {
   const std::lock_guard lock(mutex_);
   ++software_triggers_;
@@ -76,7 +102,7 @@ void CameraWorker::run(std::stop_token stop) {
   pthread_setname_np(pthread_self(), settings_.camera.substr(0, 15).c_str());
   while (!stop.stop_requested()) {
     try {
-      bring_up();
+      bring_up(stop);
       serve(stop);
       take_down("");
     } catch (const std::exception& error) {
@@ -87,13 +113,19 @@ void CameraWorker::run(std::stop_token stop) {
   }
 }
 
-void CameraWorker::bring_up() {
+void CameraWorker::bring_up(const std::stop_token& stop) {
   {
     const std::lock_guard lock(mutex_);
     settings_.trigger = wanted_mode_;
     software_triggers_ = 0;
   }
   open_and_arm();
+  wait_for_clock(stop);
+  {
+    const std::lock_guard lock(mutex_);
+    pacing_ = {};  // whatever it was before
+  }
+  pace();
   source_->start(sink_, incomplete_sink_);
   const auto description = source_->description();
   spdlog::info("{}: {} {} ({}) streams {} x {} {}", settings_.camera, description.vendor, description.model,
@@ -102,9 +134,44 @@ void CameraWorker::bring_up() {
   {
     const std::lock_guard lock(mutex_);
     description_ = description;
-    status_.problem = fmt::format("{}", fmt::join(description.warnings, "; "));
   }
   refresh_status();
+}
+
+// A PTP clock takes seconds to follow its master. One that does not in time streams all the same, its time stamps by a
+// model of its clock, and says so.
+void CameraWorker::wait_for_clock(const std::stop_token& stop) {
+  const auto give_up = std::chrono::steady_clock::now() + settings_.clock_patience;
+  for (look(); std::chrono::steady_clock::now() < give_up && !stop.stop_requested(); look()) {
+    std::unique_lock lock(mutex_);
+    if (health_.clock.settled || health_.clock.kind.empty()) return;
+    wake_.wait_for(lock, stop, kClockPulse, [] { return false; });
+  }
+}
+
+// A camera that was never told a delay keeps the one its maker or user gave it.
+void CameraWorker::pace() {
+  capture::StreamPacing wanted;
+  {
+    const std::lock_guard lock(mutex_);
+    wanted = wanted_pacing_;
+    if (wanted == pacing_) return;
+  }
+  const bool streams = source_->state() == capture::SourceState::streaming;
+  if (streams) source_->stop();
+  source_->pace(wanted);
+  if (streams) source_->start(sink_, incomplete_sink_);
+  const std::lock_guard lock(mutex_);
+  pacing_ = wanted;
+}
+
+void CameraWorker::look() {
+  auto health = source_->look();
+  next_look_ = std::chrono::steady_clock::now() + kHealthEvery;
+  const std::lock_guard lock(mutex_);
+  if (!health.clock.problem.empty() && health.clock.problem != health_.clock.problem)
+    spdlog::warn("{}: {}", settings_.camera, health.clock.problem);
+  health_ = std::move(health);
 }
 
 void CameraWorker::open_and_arm() {
@@ -132,13 +199,16 @@ void CameraWorker::serve(std::stop_token stop) {
     std::uint64_t triggers = 0;
     {
       std::unique_lock lock(mutex_);
-      wake_.wait_for(lock, stop, kLookAfter,
-                     [this] { return software_triggers_ > 0 || wanted_mode_ != settings_.trigger; });
+      wake_.wait_for(lock, stop, kLookAfter, [this] {
+        return software_triggers_ > 0 || wanted_mode_ != settings_.trigger || wanted_pacing_ != pacing_;
+      });
       if (stop.stop_requested() || wanted_mode_ != settings_.trigger) return;
       triggers = std::exchange(software_triggers_, 0);
     }
+    pace();
     for (; triggers > 0; --triggers) source_->software_trigger();
     heal();
+    if (std::chrono::steady_clock::now() >= next_look_) look();  // behind the triggers: it takes some milliseconds
     refresh_status();
     if (source_->state() == capture::SourceState::lost)
       throw DeviceError(settings_.camera, "no longer answers; check its cable and power (it is tried again every " +
@@ -173,6 +243,21 @@ void CameraWorker::refresh_status() {
   status_.width = static_cast<std::uint32_t>(description_.width);
   status_.height = static_cast<std::uint32_t>(description_.height);
   status_.pixel_format = capture::to_string(description_.format);
+  tell_health();
+}
+
+void CameraWorker::tell_health() {
+  const auto& clock = health_.clock;
+  const auto in_us = [](const auto& time) {
+    return time ? std::optional(static_cast<double>(time->count()) * 1e-3) : std::nullopt;
+  };
+  status_.clock = clock.kind.empty() ? std::nullopt : std::optional(clock.kind);
+  status_.clock_offset_us = in_us(clock.offset);
+  status_.clock_error_us = in_us(clock.error);
+  status_.temperature_c = health_.temperature_c;
+  auto problems = description_.warnings;
+  if (!clock.problem.empty()) problems.push_back(clock.problem);
+  status_.problem = fmt::format("{}", fmt::join(problems, "; "));
 }
 
 // Frames a second over the last second or so.
@@ -194,6 +279,11 @@ void CameraWorker::take_down(const std::string& problem) {
     status_.problem = problem;
     status_.state = problem.empty() ? "closed" : "lost";
     status_.rate_hz = 0.0;
+    health_ = {};
+    status_.clock.reset();
+    status_.clock_offset_us.reset();
+    status_.clock_error_us.reset();
+    status_.temperature_c.reset();
     frame_counts_.clear();
   }
   try {

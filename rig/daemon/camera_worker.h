@@ -27,6 +27,12 @@ class CameraWorker {
   bool tried() const;
   // The camera's picture as it answered; 0 x 0 before it was first opened.
   capture::SourceDescription description() const;
+  capture::ClockState clock() const;
+  // What it puts on which link; nothing while it does not stream.
+  std::optional<capture::LinkLoad> load() const;
+  // How its packets follow each other from now on; returns at once, and paced() once it streams so.
+  void set_pacing(const capture::StreamPacing& pacing);
+  bool paced() const;
   // Asks the worker to fire the camera; returns at once. Only in trigger mode `software`.
   void request_software_trigger();
   // The mode it is armed in; a camera that knows no actions is armed for software triggers instead.
@@ -36,11 +42,15 @@ class CameraWorker {
 
  private:
   void run(std::stop_token stop);
-  void bring_up();
+  void bring_up(const std::stop_token& stop);
+  void wait_for_clock(const std::stop_token& stop);
+  void look();
+  void pace();
   void open_and_arm();
   void serve(std::stop_token stop);
   void heal();
   void refresh_status();
+  void tell_health();  // with the mutex held
   void take_down(const std::string& problem);
   double measured_rate(std::uint64_t frames);
 
@@ -53,8 +63,11 @@ class CameraWorker {
   std::condition_variable_any wake_;
   CameraStatus status_;
   capture::SourceDescription description_;
+  capture::SourceHealth health_;
   std::deque<std::pair<std::chrono::steady_clock::time_point, std::uint64_t>> frame_counts_;  // of the last second
   std::uint64_t software_triggers_ = 0;                                                       // asked for, not yet sent
+  std::chrono::steady_clock::time_point next_look_;  // touched by the worker's thread only
+  capture::StreamPacing wanted_pacing_, pacing_;
   capture::TriggerMode wanted_mode_, armed_mode_;
   bool tried_ = false;
   std::jthread thread_;  // last: starts when everything else is there

@@ -1,5 +1,8 @@
 #include "rig/daemon/frame_set_stream.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 
 #include "config/errors.h"
@@ -7,9 +10,14 @@
 namespace rotunda::rig {
 namespace {
 
-capture::TriggerMode ready_to_trigger(CameraFleet& fleet) {
+capture::TriggerMode ready_to_trigger(CameraFleet& fleet, double rate_hz) {
   fleet.agree_on_trigger_mode();
-  if (fleet.streaming() > 0) return fleet.trigger_mode();
+  fleet.share_links(rate_hz);
+  const auto mode = fleet.trigger_mode();
+  if (mode == capture::TriggerMode::action)
+    if (const auto problems = capture::ptp_domain_problems(fleet.clocks()); !problems.empty())
+      throw DeviceError("rig", fmt::format("scheduled triggers would not be in step: {}", fmt::join(problems, "; ")));
+  if (fleet.streaming() > 0) return mode;
   std::string text = "no camera streams, so there is nothing to record:";
   for (const auto& worker : fleet.workers()) text += "\n  " + worker->status().problem;
   throw DeviceError("rig", text);
@@ -30,7 +38,8 @@ capture::AssemblerOptions assembler_options(const FrameSetStreamOptions& stream,
 FrameSetStream::FrameSetStream(FrameSetStreamOptions options, CameraFleet& fleet)
     : fleet_(fleet),
       cameras_(options.cameras),
-      trigger_(make_take_trigger(options.trigger, ready_to_trigger(fleet), options.wanted, fleet)),
+      trigger_(
+          make_take_trigger(options.trigger, ready_to_trigger(fleet, options.trigger.rate_hz), options.wanted, fleet)),
       grid_(trigger_->plan()),
       assembler_(assembler_options(options, grid_, trigger_->wanted())),
       sync_(cameras_.size()) {}

@@ -2,10 +2,12 @@
 
 #include <fmt/format.h>
 #include <pthread.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <filesystem>
 
+#include "capture/base/host_clock.h"
 #include "capture/frame.h"
 #include "config/errors.h"
 #include "rig/daemon/plate_recording.h"
@@ -85,6 +87,7 @@ RigStatus RigDaemon::status() const {
       for (auto& camera : status.cameras)
         if (camera.name == name) camera.missing.emplace(to_string(capture::HoleReason::disk_too_slow), frames);
   if (live_ || take_) add_session(status, live_ ? live_->stream() : take_->stream());
+  for (auto& problem : capture::ptp_domain_problems(fleet_.clocks())) status.warnings.push_back(std::move(problem));
   if (!live_problem_.empty()) status.warnings.push_back(live_problem_);
   if (rig_.trigger.mode == "action" && fleet_.trigger_mode() == capture::TriggerMode::software)
     status.warnings.push_back(
@@ -194,12 +197,23 @@ void RigDaemon::go_live_or_not() {
   }
 }
 
+// Between takes the rig's clock follows this machine's when that was set; live pictures begin anew.
+void RigDaemon::follow_clock() {
+  const auto ahead = capture::host_clock_ahead();
+  if (std::chrono::abs(ahead) < capture::kSmallestClockStep || recording_locked()) return;
+  live_.reset();
+  capture::follow_host_clock();
+  spdlog::warn("this machine's clock was set by {:.3f} s; the rig follows",
+               std::chrono::duration<double>(ahead).count());
+}
+
 // Live again after a take, or when cameras have come back.
 void RigDaemon::keep_live(std::stop_token stop) {
   pthread_setname_np(pthread_self(), "live keeper");
   std::unique_lock lock(mutex_);
   while (!stop.stop_requested()) {
     live_changed_.wait_for(lock, stop, kLookAfter, [] { return false; });
+    follow_clock();
     if (live_wanted_ && !live_ && !plating_ && !recording_locked() && !stop.stop_requested()) go_live_or_not();
   }
 }

@@ -43,6 +43,7 @@ class RigDaemon {
   void add_session(RigStatus& status, const FrameSetStream& stream) const;
   void keep_live(std::stop_token stop);
   void go_live_or_not();
+  void follow_clock();
 
   config::RigConfig rig_;
   CameraFleet fleet_;

@@ -127,6 +127,7 @@ TakeSession::TakeSession(const config::RigConfig& rig, const TakeRequest& reques
   progress_.wanted = stream_.wanted().value_or(0);
   if (const auto missing = missing_cameras(fleet); !missing.empty())
     progress_.warnings.push_back(fmt::format("recording without {}", fmt::join(missing, ", ")));
+  for (auto& problem : capture::ptp_domain_problems(fleet.clocks())) progress_.warnings.push_back(std::move(problem));
   stream_.start([this](capture::FrameSet&& set) { enqueue(std::move(set)); });
   recorder_ = std::jthread([this] { record(); });
 }
@@ -164,9 +165,27 @@ void TakeSession::record() {
   pthread_setname_np(pthread_self(), "recorder");
   while (stream_.advance() || queue_.size() > 0) {
     if (const auto set = queue_.wait_pop(kRecorderPulse)) write(*set);
+    tell_clock_step();
     if (stop_requested_) stream_.stop();
   }
   close();
+}
+
+// The rig's own clock goes on evenly; whoever compares the take with this machine's later must know.
+void TakeSession::tell_clock_step() {
+  const auto step = clock_steps_.look();
+  if (!step || !writer_) return;
+  const auto text =
+      fmt::format("this machine's clock was set {} by {:.3f} s; the take's times go on evenly",
+                  step->count() > 0 ? "forward" : "back", std::abs(std::chrono::duration<double>(*step).count()));
+  spdlog::warn("take {}: {}", progress_.name, text);
+  try {
+    writer_->incident(text);
+  } catch (const std::exception& error) {
+    give_up(error.what());
+  }
+  const std::lock_guard lock(progress_mutex_);
+  progress_.warnings.push_back(text);
 }
 
 void TakeSession::annotate(const TakeAnnotation& annotation) {

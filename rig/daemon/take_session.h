@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "capture/base/bounded_queue.h"
+#include "capture/base/host_clock.h"
 #include "capture/take/take_writer.h"
 #include "config/rig_config.h"
 #include "rig/client.h"
@@ -48,6 +49,7 @@ class TakeSession {
   void write_annotations();
   void give_up(const std::string& failure);
   void close();
+  void tell_clock_step();
 
   PictureWatch& watch_;
   std::filesystem::path folder_;
@@ -55,6 +57,7 @@ class TakeSession {
   std::size_t most_queued_;
   capture::BoundedQueue<capture::FrameSet> queue_;
   FrameSetStream stream_;
+  capture::ClockStepWatch clock_steps_;        // touched by the recorder only
   std::optional<capture::TakeWriter> writer_;  // until the take is closed; touched by the recorder only
 
   mutable std::mutex progress_mutex_;

@@ -37,6 +37,7 @@ class ScheduledTrigger final : public TakeTrigger {
   std::optional<std::uint64_t> wanted() const override { return wanted_; }
   capture::TriggerGrid plan() override {
     options_ = schedule_for(config_, mode_, wanted_);
+    behind_ = fleet_.behind_rig_clock();
     return options_.grid;
   }
   void start(GridSink) override {  // the plan is kept exactly
@@ -79,7 +80,7 @@ class ScheduledTrigger final : public TakeTrigger {
       actions_->send({.device_key = config_.device_key,
                       .group_key = config_.group_key,
                       .group_mask = config_.group_mask,
-                      .at = trigger.at});
+                      .at = trigger.at - behind_});
     if (mode_ == capture::TriggerMode::software)
       for (const auto& worker : fleet_.workers()) worker->request_software_trigger();
   }
@@ -90,6 +91,7 @@ class ScheduledTrigger final : public TakeTrigger {
   std::unique_ptr<capture::ActionCommandSender> actions_;  // in trigger mode `action`
   std::optional<std::uint64_t> wanted_;
   capture::TriggerScheduleOptions options_;
+  std::chrono::nanoseconds behind_{};                 // the cameras' clocks; of scheduled actions
   std::optional<capture::TriggerSchedule> schedule_;  // last: its thread uses the rest
 };
 

@@ -2,9 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <random>
-
 #include "config/errors.h"
 
 namespace rotunda::capture {
@@ -164,107 +161,6 @@ TEST(FrameSetAssembler, RefusesWhatCannotWork) {
   EXPECT_THROW(FrameSetAssembler{no_deadline}, InvalidInput);
   FrameSetAssembler assembler(options_for({"a"}, 1));
   EXPECT_THROW(assembler.add(frame_of("z", 0), grid.time_of(0)), InvalidInput);
-}
-
-// One random take: what each camera does with each trigger, as events in order of arrival.
-struct Event {
-  Timestamp arrival;
-  std::size_t camera = 0;
-  std::uint64_t trigger = 0;
-  bool lost = false;
-  nanoseconds jitter{};
-};
-
-struct RandomTake {
-  std::size_t cameras = 0;
-  std::uint64_t triggers = 0;
-  std::vector<bool> absent;
-  std::vector<Event> events;
-};
-
-RandomTake random_take(std::mt19937& random) {
-  const auto between = [&](int low, int high) { return std::uniform_int_distribution(low, high)(random); };
-  RandomTake take;
-  take.cameras = static_cast<std::size_t>(between(1, 5));
-  take.triggers = static_cast<std::uint64_t>(between(1, 8));
-  for (std::size_t c = 0; c < take.cameras; ++c) {
-    take.absent.push_back(between(0, 9) == 0);
-    for (std::uint64_t k = 0; k < take.triggers && !take.absent[c]; ++k) {
-      const int fate = between(0, 99);
-      if (fate < 8) continue;  // never comes
-      const nanoseconds jitter(between(-19999999, 19999999));
-      const nanoseconds delay(between(0, 100) < 90 ? between(0, 60000000) : between(60000000, 300000000));
-      take.events.push_back({grid.time_of(k) + jitter + delay, c, k, fate < 16, jitter});
-      if (fate > 94) take.events.push_back({grid.time_of(k) + jitter + delay * 2, c, k, false, jitter});
-    }
-  }
-  std::sort(take.events.begin(), take.events.end(),
-            [](const Event& a, const Event& b) { return a.arrival < b.arrival; });
-  return take;
-}
-
-std::vector<FrameSet> play(FrameSetAssembler& assembler, const RandomTake& take, std::mt19937& random) {
-  std::vector<FrameSet> all;
-  const auto keep = [&](std::vector<FrameSet> sets) {
-    for (auto& set : sets) all.push_back(std::move(set));
-  };
-  for (std::size_t c = 0; c < take.cameras; ++c)
-    if (take.absent[c]) keep(assembler.set_absent(std::to_string(c), true, grid.start - 1s));
-  for (const Event& event : take.events) {
-    if (random() % 3 == 0) keep(assembler.advance(event.arrival));
-    const auto name = std::to_string(event.camera);
-    if (event.lost)
-      keep(assembler.add_loss(name, grid.time_of(event.trigger) + event.jitter, event.arrival));
-    else
-      keep(assembler.add(frame_of(name, event.trigger, event.jitter), event.arrival));
-  }
-  keep(assembler.finish());
-  return all;
-}
-
-TEST(FrameSetAssembler, EveryTriggerLeavesOnceInOrderAndEveryFrameIsAccountedForInTenThousandRandomTakes) {
-  std::mt19937 random(20260716);
-  for (int round = 0; round < 10000; ++round) {
-    const RandomTake take = random_take(random);
-    std::vector<CameraId> names;
-    for (std::size_t c = 0; c < take.cameras; ++c) names.push_back(std::to_string(c));
-    FrameSetAssembler assembler(options_for(names, take.triggers));
-    const auto sets = play(assembler, take, random);
-
-    ASSERT_EQ(sets.size(), take.triggers) << "round " << round;
-    std::uint64_t complete = 0;
-    for (std::uint64_t k = 0; k < sets.size(); ++k) {
-      ASSERT_EQ(sets[k].trigger, k);
-      ASSERT_EQ(sets[k].slots.size(), take.cameras);
-      complete += sets[k].complete();
-      for (std::size_t c = 0; c < take.cameras; ++c) {
-        const auto& [frame, why] = sets[k].slots[c];
-        ASSERT_NE(frame.has_value(), why.has_value());
-        if (frame) {
-          ASSERT_EQ(frame->camera, names[c]);
-          ASSERT_EQ(frame->trigger, k);
-          ASSERT_LE(std::chrono::abs(frame->exposure_start - grid.time_of(k)), period / 2);
-        } else {
-          ASSERT_EQ(why == HoleReason::camera_lost, take.absent[c]);
-        }
-      }
-    }
-    ASSERT_EQ(assembler.counts().complete, complete);
-    ASSERT_EQ(assembler.counts().incomplete, take.triggers - complete);
-    for (std::size_t c = 0; c < take.cameras; ++c) {
-      const auto& counts = assembler.counts().cameras[c];
-      const auto sent = std::count_if(take.events.begin(), take.events.end(),
-                                      [c](const Event& event) { return event.camera == c && !event.lost; });
-      ASSERT_EQ(counts.in_sets + counts.late + counts.duplicate + counts.off_grid, static_cast<std::uint64_t>(sent));
-      ASSERT_EQ(counts.in_sets + counts.missing, take.triggers);
-    }
-    // A frame that came before its set's deadline, the first of its trigger, is in it.
-    for (const Event& event : take.events)
-      if (!event.lost && event.arrival < grid.time_of(event.trigger) + 100ms) {
-        const auto& slot = sets[event.trigger].slots[event.camera];
-        ASSERT_TRUE(slot.frame) << "round " << round << ": a frame in time was left out";
-      }
-  }
 }
 
 }  // namespace

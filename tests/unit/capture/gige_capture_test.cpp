@@ -210,6 +210,92 @@ TEST_F(GigeCaptureTest, AStreamThatHearsNoFramesAnyMoreIsMadeAnew) {
   EXPECT_EQ(source->state(), SourceState::streaming);
 }
 
+TEST_F(GigeCaptureTest, SettingsByPlainNameAndByTheirOwnReachTheCameraAndDifferencesAreTold) {
+  const tests::TestStudio studio({.cameras = 1, .width = 160, .height = 120});
+  auto settings = settings_of_all(studio)[0];
+  settings.trigger = TriggerMode::software;
+  settings.user_set = "Default";
+  settings.width = 80;
+  settings.height = 60;
+  settings.offset_x = 40;
+  settings.offset_y = 10;
+  settings.white_balance = WhiteBalance{.auto_once = false, .red = 1.5, .blue = 2.0};
+  settings.features = {{"LineDebounceTime", "12"}, {"GevHeartbeatTimeout", "4000"}};
+  const auto source = make_source(settings);
+  source->open();
+  source->arm();
+  EXPECT_THAT(source->description().warnings, testing::Each(HasSubstr("socket buffer"))) << "it took all as asked";
+  BoundedQueue<Frame> frames(10);
+  source->start([&](Frame&& frame) { frames.try_push(std::move(frame)); });
+  source->software_trigger();
+  const auto frame = frames.wait_pop(10s);
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(frame->image.width, 80);
+  EXPECT_EQ(frame->image.height, 60);
+  source->close();
+  settings.features = {{"NoSuchFeature", "1"}};
+  const auto wrong = make_source(settings);
+  wrong->open();
+  EXPECT_THAT(device_error_of([&] { wrong->arm(); }), testing::AllOf(HasSubstr("cam00"), HasSubstr("NoSuchFeature")));
+}
+
+TEST_F(GigeCaptureTest, ACameraIsPacedWhileItIsArmedOnly) {
+  const tests::TestStudio studio({.cameras = 1});
+  auto settings = settings_of_all(studio)[0];
+  settings.trigger = TriggerMode::software;
+  const auto source = make_source(settings);
+  source->open();
+  source->arm();
+  EXPECT_EQ(source->description().link, "lo");
+  EXPECT_EQ(source->description().link_bits_per_second, 0.0) << "loopback has no limit";
+  source->pace({.packet_delay = 20us, .start_delay = 100ms});
+  BoundedQueue<Frame> frames(10);
+  source->start([&](Frame&& frame) { frames.try_push(std::move(frame)); });
+  EXPECT_THROW(source->pace({}), InvalidInput);
+  source->software_trigger();
+  const auto frame = frames.wait_pop(10s);
+  ASSERT_TRUE(frame);
+  EXPECT_GE(RigClock::now() - frame->exposure_start, 105ms) << "exposed for 5 ms, then held back for 100 ms";
+}
+
+TEST_F(GigeCaptureTest, PtpCamerasTellTheirClockAndTemperature) {
+  const tests::TestStudio studio({.cameras = 2, .clock = {.ptp = true, .drift_ppm = 20.0, .wander = 100ns, .seed = 5}});
+  Rig rig(settings_of_all(studio));
+  std::vector<NamedClock> clocks;
+  for (std::size_t c = 0; c < 2; ++c) {
+    const auto health = rig.source(c).look();
+    EXPECT_EQ(health.clock.kind, c == 0 ? "ptp master" : "ptp slave");
+    EXPECT_TRUE(health.clock.settled);
+    EXPECT_EQ(health.clock.problem, "");
+    ASSERT_TRUE(health.temperature_c);
+    EXPECT_NEAR(*health.temperature_c, 45.0, 25.0);
+    clocks.push_back({rig.source(c).description().serial, health.clock});
+  }
+  EXPECT_LE(*clocks[1].clock.error, 300ns) << "wanders by 100 ns";
+  EXPECT_THAT(ptp_domain_problems(clocks), testing::IsEmpty());
+}
+
+TEST_F(GigeCaptureTest, ACameraWithoutPtpHasItsTimeStampsMovedToTheRigsClock) {
+  const tests::TestStudio studio({.cameras = 1, .clock = {.ptp = false, .drift_ppm = 40.0}});
+  auto settings = settings_of_all(studio)[0];
+  settings.trigger = TriggerMode::software;
+  settings.clock.use_ptp = false;
+  const auto source = make_source(settings);
+  source->open();
+  source->arm();
+  BoundedQueue<Frame> frames(10);
+  source->start([&](Frame&& frame) { frames.try_push(std::move(frame)); });
+  const auto health = source->look();
+  EXPECT_EQ(health.clock.kind, "model");
+  ASSERT_TRUE(health.clock.error);
+  const Timestamp asked = RigClock::now();
+  source->software_trigger();
+  const auto frame = frames.wait_pop(10s);
+  ASSERT_TRUE(frame);
+  EXPECT_GE(frame->exposure_start, asked - *health.clock.error - 1ms);
+  EXPECT_LE(frame->exposure_start, RigClock::now());
+}
+
 TEST_F(GigeCaptureTest, ACameraThatIsControlledBySomebodyElseIsRefusedByName) {
   const tests::TestStudio studio({.cameras = 1});
   const auto first = make_source(settings_of_all(studio)[0]);

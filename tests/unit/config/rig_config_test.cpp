@@ -99,6 +99,45 @@ TEST(LoadRig, RefusesANameThatWouldLeaveTheTakesFolder) {
               HasSubstr("cameras[0].name: expected a name"));
 }
 
+TEST(LoadRig, ReadsHowCamerasFollowThePtpMaster) {
+  const auto rig = load_rig(written(std::string(kOneCamera) + "trigger: {ptp: false, ptp_offset_limit_us: 5}\n"));
+  EXPECT_FALSE(rig.trigger.ptp);
+  EXPECT_EQ(rig.trigger.ptp_offset_limit_us, 5.0);
+  EXPECT_THAT(mistakes_in(std::string(kOneCamera) + "trigger: {ptp: often, ptp_wait_s: -1}\n"),
+              testing::AllOf(HasSubstr(":2:16: trigger.ptp: expected true or false"), HasSubstr("trigger.ptp_wait_s")));
+}
+
+TEST(LoadRig, ReadsCameraSettingsByPlainNameAndFeaturesByTheirOwn) {
+  const auto rig = load_rig(
+      written("camera_defaults: { user_set: UserSet1, features: { Gamma: 0.45, LineInverter: true } }\n"
+              "cameras:\n"
+              "  - { name: a, address: 1.2.3.4, offset_x: 16, white_balance: auto_once, features: { Gamma: 1 } }\n"
+              "  - { name: b, address: 1.2.3.5, white_balance: { red: 1.5, blue: 2 } }\n"));
+  const auto& [a, b] = std::tie(rig.cameras[0], rig.cameras[1]);
+  EXPECT_EQ(a.user_set, "UserSet1");
+  EXPECT_EQ(a.offset_x, 16);
+  EXPECT_FALSE(a.offset_y);
+  EXPECT_TRUE(a.white_balance->auto_once);
+  EXPECT_THAT(a.features, ::testing::ElementsAre(::testing::Pair("Gamma", "1"), ::testing::Pair("LineInverter", "true")));
+  EXPECT_EQ(b.white_balance->blue, 2.0);
+  EXPECT_EQ(b.features[0].second, "0.45");
+}
+
+TEST(LoadRig, TellsMistakesInCameraSettingsWithTheirPlace) {
+  const auto text = mistakes_in(
+      "cameras:\n"
+      "  - name: a\n"
+      "    address: 1.2.3.4\n"
+      "    white_balance: { red: 100, bleu: 1 }\n"
+      "    features: [Gamma]\n"
+      "    offset_x: -2\n");
+  EXPECT_THAT(text, HasSubstr(":4:27: cameras[0].white_balance.red: expected a ratio of 0.05 to 20, found \"100\""));
+  EXPECT_THAT(text, HasSubstr("cameras[0].white_balance.blue: is missing"));
+  EXPECT_THAT(text, HasSubstr("cameras[0].white_balance.bleu: unknown key; did you mean \"blue\"?"));
+  EXPECT_THAT(text, HasSubstr(":5:15: cameras[0].features: expected GenICam feature names"));
+  EXPECT_THAT(text, HasSubstr(":6:15: cameras[0].offset_x: expected 0 to 16384 pixels"));
+}
+
 TEST(LoadRig, RefusesACameraFoundTwoWaysOrNone) {
   EXPECT_THAT(mistakes_in("cameras: [{name: a, address: 1.2.3.4, serial: X}]"), HasSubstr("only one of address"));
   EXPECT_THAT(mistakes_in("cameras: [{name: a}]"), HasSubstr("how to find the camera"));
