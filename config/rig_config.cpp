@@ -63,12 +63,6 @@ std::function<bool(const T&)> between(T low, T high) {
   return [low, high](const T& value) { return value >= low && value <= high; };
 }
 
-bool is_camera_name(const std::string& name) {
-  return !name.empty() && name.size() <= 64 && name[0] != '-' && std::all_of(name.begin(), name.end(), [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_';
-  });
-}
-
 // A camera's own win over the same ones of camera_defaults.
 void read_controls(CheckedMap& map, CameraConfig& camera) {
   const std::string expected = "control names with a number, true, false or a menu's word each";
@@ -343,6 +337,12 @@ YAML::Node parse(const fs::path& file) {
 
 }  // namespace
 
+bool is_camera_name(const std::string& name) {
+  return !name.empty() && name.size() <= 64 && name[0] != '-' && std::all_of(name.begin(), name.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_';
+  });
+}
+
 RigConfig load_rig(const fs::path& file) {
   RigConfig rig;
   rig.file = fs::absolute(file);
@@ -357,32 +357,6 @@ RigConfig load_rig(const fs::path& file) {
   if (rig.calibration) rig.calibration = beside_rig_file(*rig.calibration);
   if (rig.storage.takes.is_relative()) rig.storage.takes = fs::absolute(rig.storage.takes);
   return rig;
-}
-
-std::string rig_file_text(const RigConfig& rig) {
-  const auto& common = rig.cameras.empty() ? CameraConfig{} : rig.cameras.front();
-  std::string text = fmt::format(
-      "# A rig: its cameras and how they are triggered. Check it with: rotundad --rig FILE --check\n"
-      "name: {}\n{}\ntrigger:\n  mode: {}          # action | software | line | freerun\n  rate_hz: {}\n"
-      "  lead_periods: {}       # a scheduled action is sent this many periods ahead\n"
-      "  interface: {}  # of this machine, on the cameras' link\n\n"
-      "volume:                 # metres, z up, origin on the studio floor\n  min: [{}]\n  max: [{}]\n\n"
-      "backdrop: {}\n\ncamera_defaults:\n  pixel_format: {}\n",
-      rig.name,
-      rig.calibration ? "calibration: " + rig.calibration->string() + "\n" : "# calibration: calibration.yaml\n",
-      rig.trigger.mode, rig.trigger.rate_hz, rig.trigger.lead_periods, rig.trigger.interface_address,
-      fmt::join(rig.volume.min, ", "), fmt::join(rig.volume.max, ", "), rig.backdrop, common.pixel_format);
-  if (common.width > 0) text += fmt::format("  width: {}\n  height: {}\n", common.width, common.height);
-  if (common.exposure_us) text += fmt::format("  exposure_us: {}\n", *common.exposure_us);
-  text += "\ncameras:\n";
-  for (const auto& camera : rig.cameras) {
-    text += fmt::format("  - {{ name: {}, ", camera.name);
-    if (camera.source != CameraConfig{}.source) text += fmt::format("source: {}, ", camera.source);
-    text += fmt::format("{}: {}", camera.find_by, camera.device);
-    if (camera.pixel_format != common.pixel_format) text += fmt::format(", pixel_format: {}", camera.pixel_format);
-    text += " }\n";
-  }
-  return text;
 }
 
 }  // namespace rotunda::config

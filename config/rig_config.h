@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -89,7 +90,10 @@ struct RigConfig {
 // expected and, for an unknown key, the nearest known one; std::system_error if the file cannot be read.
 RigConfig load_rig(const std::filesystem::path& file);
 
-// The text of a rig file that load_rig accepts, with comments, for `rotunda rig init`.
-std::string rig_file_text(const RigConfig& rig);
+// The text of a rig file that load_rig accepts, for `rotunda rig init`: what each key does stands beside it. `remarks`,
+// in the cameras' order, become comments: one line each.
+std::string rig_file_text(const RigConfig& rig, std::span<const std::string> remarks = {});
+// Letters, digits, '-' and '_', not first '-', at most 64.
+bool is_camera_name(const std::string& name);
 
 }  // namespace rotunda::config

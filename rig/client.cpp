@@ -5,6 +5,8 @@
 
 #include <chrono>
 #include <cstdlib>
+#include <mutex>
+#include <set>
 #include <thread>
 
 #include "config/errors.h"
@@ -14,9 +16,16 @@ namespace rotunda::rig {
 namespace {
 
 constexpr std::chrono::seconds kAnswerTime{10};
+constexpr std::chrono::seconds kPictureTime{60};  // going live, a picture of every camera, blinking
 
-void set_deadline(grpc::ClientContext& context, std::chrono::seconds time) {
-  context.set_deadline(std::chrono::system_clock::now() + time);
+// A daemon that comes back is found at once: gRPC's own patience between attempts grows to minutes.
+std::shared_ptr<grpc::Channel> connect(const std::filesystem::path& socket) {
+  constexpr int kFirst_ms = 200, kMost_ms = 1000;
+  grpc::ChannelArguments arguments;
+  arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, kFirst_ms);
+  arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, kFirst_ms);
+  arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, kMost_ms);
+  return grpc::CreateCustomChannel("unix:" + socket.string(), grpc::InsecureChannelCredentials(), arguments);
 }
 
 }  // namespace
@@ -32,6 +41,9 @@ std::filesystem::path daemon_socket(const std::filesystem::path& given) {
 struct RigClient::Connection {
   std::filesystem::path socket;
   std::unique_ptr<v1::Rig::Stub> stub;
+  std::mutex mutex;  // of what follows
+  std::set<grpc::ClientContext*> calls;
+  bool hung_up = false;
 
   void check(const grpc::Status& status) const {
     if (status.ok()) return;
@@ -46,35 +58,62 @@ struct RigClient::Connection {
   }
 };
 
+// A call that can be hung up on while it waits.
+class RigClient::Call {
+ public:
+  explicit Call(Connection& connection) : connection_(connection) {
+    const std::lock_guard lock(connection_.mutex);
+    connection_.calls.insert(&context);
+    if (connection_.hung_up) context.TryCancel();
+  }
+  Call(Connection& connection, std::chrono::seconds time) : Call(connection) {
+    context.set_deadline(std::chrono::system_clock::now() + time);
+  }
+  ~Call() {
+    const std::lock_guard lock(connection_.mutex);
+    connection_.calls.erase(&context);
+  }
+  Call(const Call&) = delete;
+  Call& operator=(const Call&) = delete;
+
+  grpc::ClientContext context;
+
+ private:
+  Connection& connection_;
+};
+
 RigClient::RigClient(const std::filesystem::path& socket) : connection_(std::make_unique<Connection>()) {
   connection_->socket = socket;
-  connection_->stub =
-      v1::Rig::NewStub(grpc::CreateChannel("unix:" + socket.string(), grpc::InsecureChannelCredentials()));
+  connection_->stub = v1::Rig::NewStub(connect(socket));
+}
+
+void RigClient::hang_up() {
+  const std::lock_guard lock(connection_->mutex);
+  connection_->hung_up = true;
+  for (auto* call : connection_->calls) call->TryCancel();
 }
 
 RigClient::~RigClient() = default;
 RigClient::RigClient(RigClient&&) noexcept = default;
 
 RigStatus RigClient::status() {
-  grpc::ClientContext context;
-  set_deadline(context, kAnswerTime);
+  Call call(*connection_, kAnswerTime);
   v1::Status answer;
-  connection_->check(connection_->stub->GetStatus(&context, {}, &answer));
+  connection_->check(connection_->stub->GetStatus(&call.context, {}, &answer));
   return from_message(answer);
 }
 
 TakeProgress RigClient::start_take(const TakeRequest& request,
                                    const std::function<bool(const TakeProgress&)>& on_progress, std::stop_token stop) {
-  grpc::ClientContext context;
-  const auto stream = connection_->stub->StartTake(&context, to_message(request));
+  Call call(*connection_);
+  const auto stream = connection_->stub->StartTake(&call.context, to_message(request));
   // The stream ends by itself once the take is closed, so a stop request only has to ask for that.
   std::jthread stopper;
   const std::stop_callback on_stop(stop, [&] {
     stopper = std::jthread([this] {
-      grpc::ClientContext stopping;
-      set_deadline(stopping, kAnswerTime);
+      Call stopping(*connection_, kAnswerTime);
       v1::TakeProgress closed;
-      connection_->stub->StopTake(&stopping, {}, &closed);
+      connection_->stub->StopTake(&stopping.context, {}, &closed);
     });
   });
   v1::TakeProgress message;
@@ -84,25 +123,23 @@ TakeProgress RigClient::start_take(const TakeRequest& request,
     last = from_message(message);
     left = !on_progress(last) && !last.closed;
   }
-  if (left) context.TryCancel();
+  if (left) call.context.TryCancel();
   const auto status = stream->Finish();
   if (!left) connection_->check(status);
   return last;
 }
 
 TakeProgress RigClient::stop_take() {
-  grpc::ClientContext context;
-  set_deadline(context, std::chrono::seconds(60));  // a slow disk may still have seconds of frame sets to take
+  Call call(*connection_, std::chrono::seconds(60));  // a slow disk may still have seconds of frame sets to take
   v1::TakeProgress closed;
-  connection_->check(connection_->stub->StopTake(&context, {}, &closed));
+  connection_->check(connection_->stub->StopTake(&call.context, {}, &closed));
   return from_message(closed);
 }
 
 TakeProgress RigClient::annotate_take(const TakeAnnotation& annotation) {
-  grpc::ClientContext context;
-  set_deadline(context, kAnswerTime);
+  Call call(*connection_, kAnswerTime);
   v1::TakeProgress progress;
-  connection_->check(connection_->stub->AnnotateTake(&context, to_message(annotation), &progress));
+  connection_->check(connection_->stub->AnnotateTake(&call.context, to_message(annotation), &progress));
   return from_message(progress);
 }
 
@@ -117,13 +154,19 @@ PlateReport RigClient::record_plate(std::uint64_t frame_sets) {
 }
 
 RigStatus RigClient::set_live(bool on) {
-  grpc::ClientContext context;
-  set_deadline(context, kAnswerTime);
+  Call call(*connection_, kAnswerTime);
   v1::SetLiveRequest request;
   request.set_on(on);
   v1::Status status;
-  connection_->check(connection_->stub->SetLive(&context, request, &status));
+  connection_->check(connection_->stub->SetLive(&call.context, request, &status));
   return from_message(status);
+}
+
+std::vector<IdentifiedCamera> RigClient::identify(const IdentifyRequest& request) {
+  Call call(*connection_, kPictureTime);
+  v1::IdentifyAnswer answer;
+  connection_->check(connection_->stub->Identify(&call.context, to_message(request), &answer));
+  return from_message(answer);
 }
 
 }  // namespace rotunda::rig

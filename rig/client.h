@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "rig/finding.h"
+
 namespace rotunda::rig {
 
 struct TakeProgress {
@@ -22,6 +24,8 @@ struct TakeProgress {
   std::string failure;  // why recording ended early
   std::string slate;    // "12 B 3"
   std::uint64_t marks = 0;
+  bool circled = false;
+  std::string note, scene, shot;
   std::vector<std::string> warnings;
 };
 
@@ -38,6 +42,8 @@ struct CameraStatus {
   std::optional<double> clock_error_us;          // how wrong its time stamps may be
   std::optional<double> temperature_c;           // of the device; nothing: it does not tell
   std::optional<double> offset_us, drift_ppm;    // of exposure starts from their triggers; nothing: no pictures come
+  double silent_s = 0.0;  // no frame came for so long although triggers were given; 0 while none is expected
+  std::string address;    // on the network; empty: it has none, or never answered
 };
 
 struct RigStatus {
@@ -51,6 +57,20 @@ struct RigStatus {
   std::uint64_t late_triggers = 0, late_frames = 0, queued_frame_sets = 0;
   double spread_median_us = 0.0, spread_p99_us = 0.0;  // of the exposure starts of a set; 0: not measured
   std::vector<std::string> warnings;
+  std::vector<Finding> preflight;
+};
+
+// One camera of a contact sheet, as `Identify` found it.
+struct IdentifiedCamera {
+  std::string name, serial, address, model, problem;
+  bool pictured = false;
+  bool blinked = false;  // it has an indicator light
+};
+
+struct IdentifyRequest {
+  std::filesystem::path picture;  // PNG, made anew
+  std::string camera;             // empty: all
+  bool blink = true;
 };
 
 struct TakeRequest {
@@ -105,9 +125,14 @@ class RigClient {
   PlateReport record_plate(std::uint64_t frame_sets);
   // Has the cameras triggered and their pictures watched without a take, or no longer.
   RigStatus set_live(bool on);
+  std::vector<IdentifiedCamera> identify(const IdentifyRequest& request);
+  // Ends calls that wait for an answer, from another thread, and any made later: they throw DeviceError. What they
+  // asked for happens all the same.
+  void hang_up();
 
  private:
   struct Connection;
+  class Call;
   std::unique_ptr<Connection> connection_;
 };
 

@@ -28,7 +28,9 @@ CameraStatus from_message(const v1::CameraStatus& m) {
           .clock_error_us = m.has_clock_error_us() ? std::optional(m.clock_error_us()) : std::nullopt,
           .temperature_c = m.has_temperature_c() ? std::optional(m.temperature_c()) : std::nullopt,
           .offset_us = m.has_offset_us() ? std::optional(m.offset_us()) : std::nullopt,
-          .drift_ppm = m.has_drift_ppm() ? std::optional(m.drift_ppm()) : std::nullopt};
+          .drift_ppm = m.has_drift_ppm() ? std::optional(m.drift_ppm()) : std::nullopt,
+          .silent_s = m.silent_s(),
+          .address = m.address()};
 }
 
 void fill(const CameraStatus& camera, v1::CameraStatus& m) {
@@ -57,6 +59,8 @@ void fill(const CameraStatus& camera, v1::CameraStatus& m) {
   if (camera.temperature_c) m.set_temperature_c(*camera.temperature_c);
   if (camera.offset_us) m.set_offset_us(*camera.offset_us);
   if (camera.drift_ppm) m.set_drift_ppm(*camera.drift_ppm);
+  m.set_silent_s(camera.silent_s);
+  m.set_address(camera.address);
 }
 
 }  // namespace
@@ -71,6 +75,10 @@ TakeProgress from_message(const v1::TakeProgress& m) {
           .failure = m.failure(),
           .slate = m.slate(),
           .marks = m.marks(),
+          .circled = m.circled(),
+          .note = m.note(),
+          .scene = m.scene(),
+          .shot = m.shot(),
           .warnings = {m.warnings().begin(), m.warnings().end()}};
 }
 
@@ -85,6 +93,10 @@ v1::TakeProgress to_message(const TakeProgress& progress) {
   m.set_failure(progress.failure);
   m.set_slate(progress.slate);
   m.set_marks(progress.marks);
+  m.set_circled(progress.circled);
+  m.set_note(progress.note);
+  m.set_scene(progress.scene);
+  m.set_shot(progress.shot);
   m.mutable_warnings()->Assign(progress.warnings.begin(), progress.warnings.end());
   return m;
 }
@@ -102,6 +114,8 @@ RigStatus from_message(const v1::Status& m) {
   status.spread_median_us = m.spread_median_us();
   status.spread_p99_us = m.spread_p99_us();
   status.warnings.assign(m.warnings().begin(), m.warnings().end());
+  for (const auto& finding : m.preflight())
+    status.preflight.push_back({finding.what(), verdict_from(finding.verdict()), finding.measured(), finding.cure()});
   return status;
 }
 
@@ -122,6 +136,13 @@ v1::Status to_message(const RigStatus& status) {
   m.set_spread_median_us(status.spread_median_us);
   m.set_spread_p99_us(status.spread_p99_us);
   m.mutable_warnings()->Assign(status.warnings.begin(), status.warnings.end());
+  for (const auto& finding : status.preflight) {
+    auto* added = m.add_preflight();
+    added->set_what(finding.what);
+    added->set_verdict(to_string(finding.verdict));
+    added->set_measured(finding.measured);
+    added->set_cure(finding.cure);
+  }
   m.set_protocol(1);
   return m;
 }
@@ -146,6 +167,46 @@ v1::AnnotateTakeRequest to_message(const TakeAnnotation& annotation) {
   m.set_mark(annotation.mark);
   if (annotation.note) m.set_note(*annotation.note);
   if (annotation.circled) m.set_circled(*annotation.circled);
+  return m;
+}
+
+IdentifyRequest from_message(const v1::IdentifyRequest& m) {
+  return {.picture = m.picture(), .camera = m.camera(), .blink = m.blink()};
+}
+
+v1::IdentifyRequest to_message(const IdentifyRequest& request) {
+  v1::IdentifyRequest m;
+  m.set_picture(request.picture.string());
+  m.set_camera(request.camera);
+  m.set_blink(request.blink);
+  return m;
+}
+
+std::vector<IdentifiedCamera> from_message(const v1::IdentifyAnswer& m) {
+  std::vector<IdentifiedCamera> cameras;
+  for (const auto& camera : m.cameras())
+    cameras.push_back({.name = camera.name(),
+                       .serial = camera.serial(),
+                       .address = camera.address(),
+                       .model = camera.model(),
+                       .problem = camera.problem(),
+                       .pictured = camera.pictured(),
+                       .blinked = camera.blinked()});
+  return cameras;
+}
+
+v1::IdentifyAnswer to_message(const std::vector<IdentifiedCamera>& cameras) {
+  v1::IdentifyAnswer m;
+  for (const auto& camera : cameras) {
+    auto* added = m.add_cameras();
+    added->set_name(camera.name);
+    added->set_serial(camera.serial);
+    added->set_address(camera.address);
+    added->set_model(camera.model);
+    added->set_problem(camera.problem);
+    added->set_pictured(camera.pictured);
+    added->set_blinked(camera.blinked);
+  }
   return m;
 }
 

@@ -15,5 +15,9 @@ v1::PlateReport to_message(const PlateReport& report);
 TakeAnnotation from_message(const v1::AnnotateTakeRequest& message);
 v1::AnnotateTakeRequest to_message(const TakeAnnotation& annotation);
 v1::StartTakeRequest to_message(const TakeRequest& request);
+IdentifyRequest from_message(const v1::IdentifyRequest& message);
+v1::IdentifyRequest to_message(const IdentifyRequest& request);
+std::vector<IdentifiedCamera> from_message(const v1::IdentifyAnswer& message);
+v1::IdentifyAnswer to_message(const std::vector<IdentifiedCamera>& cameras);
 
 }  // namespace rotunda::rig

@@ -9,6 +9,7 @@
 #include "config/exit_code.h"
 #include "rig/daemon/rig_daemon.h"
 #include "rig/daemon/rig_service.h"
+#include "rig/machine_facts.h"
 
 namespace {
 
@@ -37,6 +38,14 @@ int serve(const rotunda::config::RigConfig& rig, const Options& options, std::st
   return rotunda::kDone;
 }
 
+// Without touching a camera. What it finds does not make the rig file a bad one.
+void tell_preflight(const rotunda::config::RigConfig& rig) {
+  auto facts = rotunda::rig::machine_facts(rig.storage.takes, rig);
+  facts.disk.bytes_per_second = rotunda::rig::measure_disk(facts.disk.folder, {});
+  for (const auto& finding : rotunda::rig::preflight(facts))
+    std::fputs(rotunda::rig::lines_of(finding).c_str(), stdout);
+}
+
 int run(const Options& options) {
   const rotunda::capture::Interrupt interrupt;
   try {
@@ -44,6 +53,7 @@ int run(const Options& options) {
     if (!options.takes.empty()) rig.storage.takes = fs::absolute(options.takes);
     if (options.check) {
       std::printf("%s: good, %zu cameras\n", options.rig.c_str(), rig.cameras.size());
+      tell_preflight(rig);
       return rotunda::kDone;
     }
     return serve(rig, options, interrupt.token());
@@ -60,7 +70,7 @@ int main(int argc, char** argv) {
   CLI::App app{"The capture daemon: syncs and triggers the rig's cameras and records takes", "rotundad"};
   Options options;
   app.add_option("--rig", options.rig, "the rig file")->required();
-  app.add_flag("--check", options.check, "only check the rig file");
+  app.add_flag("--check", options.check, "only check the rig file, and this machine for it");
   app.add_option("--takes", options.takes, "record here instead of the rig file's storage.takes");
   app.add_option("--socket", options.socket, "serve the control API here (else ROTUNDA_SOCKET, the runtime folder)");
   app.footer("Example:\n  rotundad --rig config/simulated-studio.yaml");

@@ -316,6 +316,13 @@ void stop_acquisition(ArvCamera* camera, const SourceSettings& settings) {
   ask(settings, "AcquisitionStop", [&](GError** e) { arv_camera_stop_acquisition(camera, e); });
 }
 
+bool set_indicator_light(ArvCamera* camera, bool on) {
+  if (!has_feature(camera, "DeviceIndicatorMode")) return false;
+  ErrorCatcher refused;
+  arv_camera_set_string(camera, "DeviceIndicatorMode", on ? "Active" : "Inactive", refused.out());
+  return !refused;
+}
+
 void fire_software_trigger(ArvCamera* camera, const SourceSettings& settings) {
   ask(settings, "TriggerSoftware", [&](GError** e) { arv_camera_software_trigger(camera, e); });
 }

@@ -38,6 +38,7 @@ class AravisSource final : public Source {
   void stop() override;
   void software_trigger() override;
   SourceHealth look() override;
+  bool show_light(bool on) override;
   void close() noexcept override;
   std::optional<std::string> heal() override;
 
@@ -278,6 +279,10 @@ void AravisSource::stop() {
 void AravisSource::software_trigger() {
   require(SourceState::streaming, "triggered");
   fire_software_trigger(camera_.get(), settings_);
+}
+
+bool AravisSource::show_light(bool on) {
+  return camera_ && set_indicator_light(camera_.get(), on);
 }
 
 void AravisSource::close() noexcept {

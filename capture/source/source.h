@@ -128,6 +128,8 @@ class Source {
   // Asks how the camera is, and follows its clock: once a second will do. Armed or streaming. A camera that does not
   // answer is lost. Kinds of source that have nothing to tell tell nothing.
   virtual SourceHealth look() { return {}; }
+  // Switches its indicator light, for people who look which camera it is; false if it has none. While open.
+  virtual bool show_light(bool) { return false; }
   virtual void close() noexcept = 0;  // frames that readers hold stay good
   // While streaming, every now and then: if the camera sends and yet no frame comes of it any more, receives it anew
   // and returns what was wrong. Nothing if all is well. Blocks like the calls above.

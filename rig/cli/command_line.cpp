@@ -98,6 +98,7 @@ int run_rotunda(int argc, const char* const* argv) {
       "demo.mp4");
   add_doctor_command(line);
   add_rig_commands(line);
+  add_tui_command(line);
   add_take_commands(line);
   add_plate_command(line);
   add_recon_commands(line);

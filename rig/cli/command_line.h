@@ -19,13 +19,17 @@ struct CommandLine {
   std::function<int(std::stop_token)> run;  // the chosen command; set by its callback
 };
 
-void add_rig_commands(CommandLine& line);                        // rig, cameras, status
-void add_take_commands(CommandLine& line);                       // take ...
-void add_take_edit_commands(CLI::App& take, CommandLine& line);  // take mark, note, circle, rename, trim
-void add_plate_command(CommandLine& line);                       // plate
-void add_recon_commands(CommandLine& line);                      // recon, map
-void add_render_commands(CommandLine& line);                     // render, play
-void add_doctor_command(CommandLine& line);                      // doctor
+void add_rig_commands(CommandLine& line);                         // rig, cameras
+void add_status_command(CLI::App& parent, CommandLine& line);     // status
+void add_live_command(CLI::App& rig, CommandLine& line);          // rig live
+void add_identify_command(CLI::App& cameras, CommandLine& line);  // cameras identify
+void add_take_commands(CommandLine& line);                        // take ...
+void add_take_edit_commands(CLI::App& take, CommandLine& line);   // take mark, note, circle, rename, trim
+void add_plate_command(CommandLine& line);                        // plate
+void add_recon_commands(CommandLine& line);                       // recon, map
+void add_render_commands(CommandLine& line);                      // render, play
+void add_doctor_command(CommandLine& line);                       // doctor
+void add_tui_command(CommandLine& line);                          // tui
 
 // Where takes lie: --takes, else ROTUNDA_TAKES, else the running daemon's, else ./takes.
 std::filesystem::path takes_folder(const CommandLine& line);

@@ -1,13 +1,17 @@
-// rotunda rig init, cameras, status: what is connected and how it does.
+// rotunda rig init, cameras: what is connected.
 #include <arpa/inet.h>
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cstdio>
-#include <fstream>
+#include <limits>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <tuple>
 
 #include "capture/base/unique_fd.h"
 #include "capture/source/source.h"
@@ -16,7 +20,6 @@
 #include "config/exit_code.h"
 #include "config/rig_config.h"
 #include "rig/cli/command_line.h"
-#include "rig/client.h"
 
 namespace rotunda::rig {
 namespace {
@@ -24,11 +27,11 @@ namespace {
 using nlohmann::json;
 namespace fs = std::filesystem;
 
+// Never over another file, not even one that has come meanwhile.
 void write_new_file(const fs::path& file, const std::string& text) {
-  if (fs::exists(file))
-    throw InvalidInput(file.string() + " exists already and stays as it is; name another file with -o");
-  std::ofstream stream(file);
-  if (!(stream << text)) throw std::system_error(errno, std::generic_category(), "cannot write " + file.string());
+  const capture::UniqueFd made(open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644));
+  if (!made || ::write(made.get(), text.data(), text.size()) != static_cast<ssize_t>(text.size()))
+    throw std::system_error(errno, std::generic_category(), "cannot write " + file.string());
 }
 
 // This machine's IPv4 address on the way to a camera; connecting a datagram socket asks for the route, sends nothing.
@@ -48,28 +51,68 @@ std::string interface_towards(const std::string& camera_address) {
   return text;
 }
 
+// 10.0.0.2 before 10.0.0.10; what is no IPv4 address by its letters, behind.
+std::pair<std::uint32_t, std::string> in_order_of(const std::string& address) {
+  in_addr number{};
+  if (inet_pton(AF_INET, address.c_str(), &number) == 1) return {ntohl(number.s_addr), ""};
+  return {std::numeric_limits<std::uint32_t>::max(), address};
+}
+
+void sort_by_address(std::vector<capture::DiscoveredCamera>& cameras) {
+  std::stable_sort(cameras.begin(), cameras.end(), [](const auto& a, const auto& b) {
+    return std::tuple(a.kind, in_order_of(a.address)) < std::tuple(b.kind, in_order_of(b.address));
+  });
+}
+
+// The names that people gave the cameras, where they can name one and name only one; cam00, cam01, ... for the others.
+std::vector<std::string> names_for(const std::vector<capture::DiscoveredCamera>& cameras) {
+  std::map<std::string, int> given;
+  for (const auto& camera : cameras) ++given[camera.user_name];
+  std::vector<std::string> names;
+  int next = 0;
+  for (const auto& camera : cameras) {
+    auto name = camera.user_name;
+    if (!config::is_camera_name(name) || given[name] > 1) do
+        name = fmt::format("cam{:02}", next++);
+      while (given.count(name) > 0);
+    names.push_back(name);
+  }
+  return names;
+}
+
+config::CameraConfig entry_for(const capture::DiscoveredCamera& found, const std::string& name) {
+  config::CameraConfig camera;
+  camera.name = name;
+  camera.source = found.kind;
+  camera.find_by = found.serial.empty() ? "address" : "serial";
+  camera.device = found.serial.empty() ? found.address : found.serial;
+  if (!found.pixel_format.empty()) camera.pixel_format = found.pixel_format;
+  return camera;
+}
+
 int init_rig(const fs::path& file) {
-  const auto found = capture::discover_cameras();
+  if (fs::exists(file))  // before a second is spent on looking for cameras
+    throw InvalidInput(file.string() + " exists already and stays as it is; name another file with -o");
+  auto found = capture::discover_cameras();
   if (found.empty())
     throw DeviceError("rig init",
                       "no camera answers; check power, cables and that the cameras share a subnet with "
                       "this machine (rotunda-sim serves simulated ones)");
+  sort_by_address(found);
+  const auto names = names_for(found);
   config::RigConfig rig;
   rig.name = file.stem().string();
   rig.trigger.interface_address = interface_towards(found.front().address);
+  std::vector<std::string> remarks;
   for (std::size_t i = 0; i < found.size(); ++i) {
-    config::CameraConfig camera;
-    camera.name = fmt::format("cam{:02}", i);
-    camera.source = found[i].kind;
-    camera.find_by = found[i].serial.empty() ? "address" : "serial";
-    camera.device = found[i].serial.empty() ? found[i].address : found[i].serial;
-    if (!found[i].pixel_format.empty()) camera.pixel_format = found[i].pixel_format;
-    rig.cameras.push_back(camera);
+    rig.cameras.push_back(entry_for(found[i], names[i]));
+    remarks.push_back(fmt::format("{} {}, {}", found[i].vendor, found[i].model, found[i].address));
   }
   if (std::all_of(found.begin(), found.end(), [](const auto& camera) { return camera.kind == "v4l2"; }))
     rig.trigger.mode = "freerun";  // they know no trigger that we could give
-  write_new_file(file, config::rig_file_text(rig));
-  fmt::print("{}: {} cameras\nnext: rotundad --rig {}\n", file.string(), found.size(), file.string());
+  write_new_file(file, config::rig_file_text(rig, remarks));
+  fmt::print("{}: {} cameras on {}\nnext: rotundad --rig {} --check, and rotunda cameras identify\n", file.string(),
+             found.size(), rig.trigger.interface_address, file.string());
   return kDone;
 }
 
@@ -97,116 +140,12 @@ int list_cameras(bool as_json) {
   return kDone;
 }
 
-json to_json(const RigStatus& status) {
-  json cameras = json::array();
-  for (const auto& camera : status.cameras)
-    cameras.push_back({{"name", camera.name},
-                       {"device", camera.device},
-                       {"state", camera.state},
-                       {"model", camera.model},
-                       {"serial", camera.serial},
-                       {"width", camera.width},
-                       {"height", camera.height},
-                       {"pixel_format", camera.pixel_format},
-                       {"frames", camera.frames},
-                       {"incomplete", camera.incomplete},
-                       {"dropped", camera.dropped},
-                       {"resend_requests", camera.resend_requests},
-                       {"packet_size", camera.packet_size},
-                       {"socket_buffer_bytes", camera.socket_buffer_bytes},
-                       {"rate_hz", camera.rate_hz},
-                       {"missing", camera.missing},
-                       {"clipped", camera.clipped ? json(*camera.clipped) : json()},
-                       {"focus", camera.focus ? json(*camera.focus) : json()},
-                       {"clock", camera.clock ? json(*camera.clock) : json()},
-                       {"clock_offset_us", camera.clock_offset_us ? json(*camera.clock_offset_us) : json()},
-                       {"clock_error_us", camera.clock_error_us ? json(*camera.clock_error_us) : json()},
-                       {"temperature_c", camera.temperature_c ? json(*camera.temperature_c) : json()},
-                       {"problem", camera.problem}});
-  return {{"rig", status.rig},
-          {"state", status.state},
-          {"trigger", status.trigger},
-          {"rate_hz", status.rate_hz},
-          {"takes_folder", status.takes_folder.string()},
-          {"disk_free_bytes", status.disk_free_bytes},
-          {"seconds_left", status.seconds_left},
-          {"take",
-           {{"name", status.take.name},
-            {"frame_sets", status.take.frame_sets},
-            {"complete", status.take.complete},
-            {"closed", status.take.closed},
-            {"failure", status.take.failure}}},
-          {"late_triggers", status.late_triggers},
-          {"late_frames", status.late_frames},
-          {"queued_frame_sets", status.queued_frame_sets},
-          {"warnings", status.warnings},
-          {"cameras", cameras}};
-}
-
-std::string percent(const std::optional<double>& share) {
-  return share ? fmt::format("{:.1f}", 100.0 * *share) : "-";
-}
-
-// "3 late, 1 packets lost"
-std::string causes(const std::map<std::string, std::uint64_t>& missing) {
-  std::string text;
-  for (const auto& [why, frames] : missing) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", frames, why);
-  return text;
-}
-
-void print_status(const RigStatus& status) {
-  fmt::print("{}: {}, trigger {} at {} Hz, takes in {}, {:.1f} min of recording left\n", status.rig, status.state,
-             status.trigger, status.rate_hz, status.takes_folder.string(), status.seconds_left / 60.0);
-  if (!status.take.name.empty())
-    fmt::print("take {}: {} frame sets, {} complete{}\n", status.take.name, status.take.frame_sets,
-               status.take.complete, status.take.closed ? "" : ", recording");
-  for (const auto& warning : status.warnings) fmt::print("warning: {}\n", warning);
-  fmt::print("\n{:<8} {:<16} {:<10} {:>11} {:<10} {:>6} {:>8} {:>8} {:>8} {:>6} {:>6}  {}\n", "camera", "device",
-             "state", "size", "format", "Hz", "frames", "dropped", "resends", "clip %", "focus", "missing");
-  for (const auto& camera : status.cameras) {
-    fmt::print("{:<8} {:<16} {:<10} {:>11} {:<10} {:>6.1f} {:>8} {:>8} {:>8} {:>6} {:>6}  {}\n", camera.name,
-               camera.device, camera.state, fmt::format("{}x{}", camera.width, camera.height), camera.pixel_format,
-               camera.rate_hz, camera.frames, camera.dropped, camera.resend_requests, percent(camera.clipped),
-               percent(camera.focus), causes(camera.missing));
-    if (!camera.problem.empty()) fmt::print("         {}\n", camera.problem);
-  }
-}
-
-int tell_status(const RigStatus& status, bool as_json) {
-  if (as_json)
-    fmt::print("{}\n", to_json(status).dump(2));
-  else
-    print_status(status);
-  return kDone;
-}
-
 void add_cameras(CLI::App& parent, CommandLine& line) {
   auto* cameras = parent.add_subcommand("cameras", "lists every camera that answers on this machine's links");
-  cameras->footer("Example:\n  rotunda cameras --json");
-  cameras->callback([&line] { line.run = [&line](std::stop_token) { return list_cameras(line.json); }; });
-}
-
-void add_live(CLI::App& parent, CommandLine& line) {
-  auto* live = parent.add_subcommand("live", "triggers the cameras and watches their pictures without recording");
-  auto off = std::make_shared<bool>(false);
-  live->add_flag("--off", *off, "no longer");
-  live->footer(
-      "Exposure and focus of every camera are then in `rotunda status`; takes can be started all the same.\n"
-      "Example:\n  rotunda rig live");
-  live->callback([&line, off] {
-    line.run = [&line, off](std::stop_token) {
-      return tell_status(RigClient(daemon_socket(line.daemon)).set_live(!*off), line.json);
-    };
-  });
-}
-
-void add_status(CLI::App& parent, CommandLine& line) {
-  auto* status = parent.add_subcommand("status", "how the daemon, its cameras and the running take do");
-  status->footer("Example:\n  rotunda status");
-  status->callback([&line] {
-    line.run = [&line](std::stop_token) {
-      return tell_status(RigClient(daemon_socket(line.daemon)).status(), line.json);
-    };
+  cameras->footer("Example:\n  rotunda cameras --json\n  rotunda cameras identify -o cameras.png");
+  add_identify_command(*cameras, line);
+  cameras->callback([&line, cameras] {
+    if (cameras->get_subcommands().empty()) line.run = [&line](std::stop_token) { return list_cameras(line.json); };
   });
 }
 
@@ -214,15 +153,18 @@ void add_status(CLI::App& parent, CommandLine& line) {
 
 void add_rig_commands(CommandLine& line) {
   auto* rig = line.app.add_subcommand("rig", "the rig file, its cameras and the daemon")->require_subcommand(1);
-  auto* init = rig->add_subcommand("init", "writes a rig file with every camera that answers");
+  auto* init = rig->add_subcommand("init", "writes a commented rig file with every camera that answers");
   auto file = std::make_shared<fs::path>("rig.yaml");
   init->add_option("-o", *file, "the file to write")->capture_default_str();
-  init->footer("Example:\n  rotunda rig init -o studio.yaml");
+  init->footer(
+      "Every key stands in it with what it does. Cameras that have a user name keep it. An existing file is left "
+      "alone.\n"
+      "Example:\n  rotunda rig init -o studio.yaml");
   init->callback([&line, file] { line.run = [file](std::stop_token) { return init_rig(*file); }; });
-  add_live(*rig, line);
+  add_live_command(*rig, line);
   for (auto* parent : {rig, &line.app}) {  // `rotunda rig status`, and short: `rotunda status`
     add_cameras(*parent, line);
-    add_status(*parent, line);
+    add_status_command(*parent, line);
   }
 }
 

@@ -40,6 +40,11 @@ CameraStatus CameraWorker::status() const {
   return status_;
 }
 
+std::chrono::steady_clock::time_point CameraWorker::last_frame() const {
+  const std::lock_guard lock(mutex_);
+  return last_frame_;
+}
+
 bool CameraWorker::streaming() const {
   const std::lock_guard lock(mutex_);
   return status_.state == "streaming";
@@ -210,6 +215,7 @@ void CameraWorker::serve(std::stop_token stop) {
     heal();
     if (std::chrono::steady_clock::now() >= next_look_) look();  // behind the triggers: it takes some milliseconds
     refresh_status();
+    switch_light();
     if (source_->state() == capture::SourceState::lost)
       throw DeviceError(settings_.camera, "no longer answers; check its cable and power (it is tried again every " +
                                               std::to_string(kRetryAfter.count()) + " s)");
@@ -225,12 +231,39 @@ void CameraWorker::heal() {
   status_.problem = *ailment;
 }
 
+void CameraWorker::blink(std::chrono::milliseconds time) {
+  const std::lock_guard lock(mutex_);
+  blink_until_ = std::chrono::steady_clock::now() + time;
+  has_light_ = false;
+}
+
+bool CameraWorker::has_light() const {
+  const std::lock_guard lock(mutex_);
+  return has_light_;
+}
+
+// Other with each of the thread's looks while it blinks, off afterwards.
+void CameraWorker::switch_light() {
+  bool blinks = false;
+  {
+    const std::lock_guard lock(mutex_);
+    blinks = std::chrono::steady_clock::now() < blink_until_;
+  }
+  if (!blinks && !lit_) return;
+  const bool on = blinks && !lit_;
+  const bool done = source_->show_light(on);
+  lit_ = on && done;
+  const std::lock_guard lock(mutex_);
+  if (done) has_light_ = true;
+}
+
 void CameraWorker::refresh_status() {
   const auto stats = source_->stats();
   const auto state = source_->state();
   const std::lock_guard lock(mutex_);
   tried_ = true;
   status_.state = capture::to_string(state);
+  if (stats.frames != status_.frames) last_frame_ = std::chrono::steady_clock::now();
   status_.frames = stats.frames;
   status_.rate_hz = measured_rate(stats.frames);
   status_.incomplete = stats.incomplete;
@@ -240,6 +273,7 @@ void CameraWorker::refresh_status() {
   status_.socket_buffer_bytes = static_cast<std::uint32_t>(stats.socket_buffer_bytes);
   status_.model = description_.model;
   status_.serial = description_.serial;
+  status_.address = description_.address;
   status_.width = static_cast<std::uint32_t>(description_.width);
   status_.height = static_cast<std::uint32_t>(description_.height);
   status_.pixel_format = capture::to_string(description_.format);

@@ -22,6 +22,8 @@ class CameraWorker {
 
   const capture::SourceSettings& settings() const { return settings_; }
   CameraStatus status() const;
+  // When a frame last came, to a tenth of a second; the clock's epoch if none ever did.
+  std::chrono::steady_clock::time_point last_frame() const;
   bool streaming() const;
   // True once the first attempt to open the camera has succeeded or failed.
   bool tried() const;
@@ -35,6 +37,9 @@ class CameraWorker {
   bool paced() const;
   // Asks the worker to fire the camera; returns at once. Only in trigger mode `software`.
   void request_software_trigger();
+  // Blinks its indicator light for so long; returns at once.
+  void blink(std::chrono::milliseconds time);
+  bool has_light() const;  // it blinked, the last time it was asked
   // The mode it is armed in; a camera that knows no actions is armed for software triggers instead.
   capture::TriggerMode trigger_mode() const;
   // Arms the camera anew in another trigger mode; returns at once, and it streams again a little later.
@@ -51,6 +56,7 @@ class CameraWorker {
   void heal();
   void refresh_status();
   void tell_health();  // with the mutex held
+  void switch_light();
   void take_down(const std::string& problem);
   double measured_rate(std::uint64_t frames);
 
@@ -68,8 +74,12 @@ class CameraWorker {
   std::uint64_t software_triggers_ = 0;                                                       // asked for, not yet sent
   std::chrono::steady_clock::time_point next_look_;  // touched by the worker's thread only
   capture::StreamPacing wanted_pacing_, pacing_;
+  std::chrono::steady_clock::time_point last_frame_;
   capture::TriggerMode wanted_mode_, armed_mode_;
   bool tried_ = false;
+  std::chrono::steady_clock::time_point blink_until_;
+  bool has_light_ = false;
+  bool lit_ = false;     // the worker's thread only
   std::jthread thread_;  // last: starts when everything else is there
 };
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "capture/picture.h"
+#include "rig/camera_portraits.h"
 
 namespace rotunda::rig {
 namespace {
@@ -34,6 +35,12 @@ std::optional<capture::PictureHealth> PictureWatch::health(const capture::Camera
   return found->second.health;
 }
 
+cv::Mat PictureWatch::portrait(const capture::CameraId& camera, SteadyClock::time_point asked) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = looks_.find(camera);
+  return found != looks_.end() && found->second.at >= asked ? found->second.portrait : cv::Mat();
+}
+
 void PictureWatch::run(std::stop_token stop) {
   pthread_setname_np(pthread_self(), "picture watch");
   while (!stop.stop_requested()) {
@@ -57,9 +64,9 @@ void PictureWatch::run(std::stop_token stop) {
 void PictureWatch::look_at(const capture::FrameSlot& slot) {
   const auto picture = capture::picture_of(slot);
   if (picture.rgb.empty()) return;  // a damaged JPEG
-  const auto health = capture::picture_health(picture.rgb);
+  const Look look{capture::picture_health(picture.rgb), portrait_picture(picture.rgb), SteadyClock::now()};
   const std::lock_guard lock(mutex_);
-  looks_[slot.frame->camera] = {health, SteadyClock::now()};
+  looks_[slot.frame->camera] = look;
 }
 
 }  // namespace rotunda::rig

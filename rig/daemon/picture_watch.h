@@ -20,10 +20,13 @@ class PictureWatch {
   void offer(const capture::FrameSet& set);
   // Of the camera's newest picture; nothing while none came for a few seconds.
   std::optional<capture::PictureHealth> health(const capture::CameraId& camera) const;
+  // That picture itself, small, if it was looked at since `asked`; else empty.
+  cv::Mat portrait(const capture::CameraId& camera, std::chrono::steady_clock::time_point asked) const;
 
  private:
   struct Look {
     capture::PictureHealth health;
+    cv::Mat portrait;
     std::chrono::steady_clock::time_point at;
   };
 

@@ -1,6 +1,7 @@
 #include "rig/daemon/rig_daemon.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <pthread.h>
 #include <spdlog/spdlog.h>
 
@@ -10,6 +11,7 @@
 #include "capture/base/host_clock.h"
 #include "capture/frame.h"
 #include "config/errors.h"
+#include "rig/camera_portraits.h"
 #include "rig/daemon/plate_recording.h"
 
 namespace rotunda::rig {
@@ -24,6 +26,14 @@ double image_bytes_of(const CameraStatus& camera) {
   const auto format = capture::pixel_format_from(camera.pixel_format).value_or(capture::PixelFormat::mono8);
   const bool jpeg = format == capture::PixelFormat::mjpeg;
   return static_cast<double>(capture::image_bytes(width, height, jpeg ? capture::PixelFormat::mono8 : format));
+}
+
+constexpr double kFirstFrames_s = 1.0;
+constexpr auto kBlinkTime = 2000ms;
+constexpr auto kPortraitTime = 6s;  // going live, the first triggers, a look at every picture
+
+double seconds_since(std::chrono::steady_clock::time_point moment) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - moment).count();
 }
 
 double in_microseconds(std::chrono::nanoseconds time) {
@@ -47,9 +57,13 @@ std::uint64_t free_bytes(std::filesystem::path folder) {
 }  // namespace
 
 RigDaemon::RigDaemon(const config::RigConfig& rig)
-    : rig_(rig), fleet_(rig), live_keeper_([this](std::stop_token stop) { keep_live(std::move(stop)); }) {}
+    : rig_(rig),
+      fleet_(rig),
+      live_keeper_([this](std::stop_token stop) { keep_live(std::move(stop)); }),
+      preflight_(std::in_place, rig_, [this] { return session_status(); }) {}
 
 RigDaemon::~RigDaemon() {
+  preflight_.reset();
   live_keeper_ = {};
 }
 
@@ -64,13 +78,21 @@ std::string RigDaemon::state_locked() const {
 }
 
 RigStatus RigDaemon::status() const {
+  auto status = session_status();
+  status.preflight = preflight_->findings();
+  return status;
+}
+
+RigStatus RigDaemon::session_status() const {
   const std::lock_guard lock(mutex_);
   RigStatus status{.rig = rig_.name, .state = state_locked(), .trigger = std::string(to_string(fleet_.trigger_mode()))};
   status.rate_hz = rig_.trigger.rate_hz;
   status.takes_folder = rig_.storage.takes;
   status.disk_free_bytes = free_bytes(rig_.storage.takes);
+  const double expected_s = expected_locked();
   for (const auto& worker : fleet_.workers()) {
     auto& camera = status.cameras.emplace_back(worker->status());
+    if (expected_s > 0.0) camera.silent_s = std::min(expected_s, seconds_since(worker->last_frame()));
     if (const auto health = watch_.health(camera.name)) {
       camera.clipped = health->clipped;
       camera.focus = health->focus;
@@ -93,6 +115,13 @@ RigStatus RigDaemon::status() const {
     status.warnings.push_back(
         "a camera knows no scheduled actions: all are triggered by software, one after the other");
   return status;
+}
+
+// For how long every camera should have sent frames by now: the first triggers of a session take a moment.
+double RigDaemon::expected_locked() const {
+  if (!live_ && !recording_locked()) return 0.0;
+  return std::max(0.0,
+                  seconds_since(session_begun_) - kFirstFrames_s - rig_.trigger.lead_periods / rig_.trigger.rate_hz);
 }
 
 // Holes by cause: of the session that gives the cameras their triggers now, or gave them last.
@@ -163,6 +192,7 @@ std::shared_ptr<TakeSession> RigDaemon::start_take(const TakeRequest& request) {
   live_.reset();
   take_.reset();
   take_ = std::make_shared<TakeSession>(rig_, request, fleet_, watch_);
+  session_begun_ = std::chrono::steady_clock::now();
   return take_;
 }
 
@@ -179,6 +209,62 @@ TakeProgress RigDaemon::stop_take() {
   return progress;
 }
 
+std::vector<CameraWorker*> RigDaemon::workers_called(const std::string& name) const {
+  std::vector<CameraWorker*> workers;
+  std::vector<std::string> known;
+  for (const auto& worker : fleet_.workers()) {
+    known.push_back(worker->settings().camera);
+    if (name.empty() || name == known.back()) workers.push_back(worker.get());
+  }
+  if (workers.empty())
+    throw InvalidInput(fmt::format("the rig has no camera {}; it has {}", name, fmt::join(known, ", ")));
+  return workers;
+}
+
+bool RigDaemon::recording() const {
+  const std::lock_guard lock(mutex_);
+  return recording_locked();
+}
+
+bool RigDaemon::go_live_for_a_moment() {
+  const std::lock_guard lock(mutex_);
+  if (live_wanted_ || plating_ || recording_locked()) return false;
+  live_wanted_ = true;
+  go_live_or_not();
+  return true;
+}
+
+std::vector<IdentifiedCamera> RigDaemon::identify(const IdentifyRequest& request) {
+  fleet_.wait_until_tried({});
+  const auto workers = workers_called(request.camera);
+  const auto asked = std::chrono::steady_clock::now();
+  const bool blink = request.blink && !recording();  // no light flickers in a take
+  for (auto* worker : workers)
+    if (blink) worker->blink(kBlinkTime);
+  const bool only_now = go_live_for_a_moment();
+  const auto pictured = [&](const CameraWorker* worker) {
+    return !worker->streaming() || !watch_.portrait(worker->settings().camera, asked).empty();
+  };
+  const auto wait_until = asked + (blink ? kBlinkTime : 0ms);
+  const auto give_up = asked + kPortraitTime;
+  while (std::chrono::steady_clock::now() < give_up &&
+         (std::chrono::steady_clock::now() < wait_until || !std::all_of(workers.begin(), workers.end(), pictured)))
+    std::this_thread::sleep_for(20ms);
+  std::vector<CameraPortrait> portraits;
+  for (const auto* worker : workers) {
+    const auto status = worker->status();
+    portraits.push_back({{.name = status.name,
+                          .serial = status.serial,
+                          .address = status.address.empty() ? status.device : status.address,
+                          .model = status.model,
+                          .problem = status.problem,
+                          .blinked = blink && worker->has_light()},
+                         watch_.portrait(status.name, asked)});
+  }
+  if (only_now) set_live(false);
+  return write_contact_sheet(request.picture, portraits);
+}
+
 void RigDaemon::set_live(bool on) {
   const std::lock_guard lock(mutex_);
   live_wanted_ = on;
@@ -192,6 +278,7 @@ void RigDaemon::go_live_or_not() {
   if (live_) return;
   try {
     live_ = std::make_unique<LiveSession>(rig_, fleet_, [this](capture::FrameSet&& set) { watch_.offer(set); });
+    session_begun_ = std::chrono::steady_clock::now();
   } catch (const std::exception& error) {
     live_problem_ = fmt::format("not live: {}", error.what());
   }

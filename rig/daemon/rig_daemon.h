@@ -2,9 +2,11 @@
 // The daemon's one object: the cameras, the running take if there is one, and what can be asked of them.
 // State: idle (no camera streams), armed, live (triggered, watched, not recorded), recording, stopping. Safe from any
 // thread.
+#include <chrono>
 #include <condition_variable>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <stop_token>
 #include <thread>
 
@@ -13,6 +15,7 @@
 #include "rig/daemon/camera_fleet.h"
 #include "rig/daemon/live_session.h"
 #include "rig/daemon/picture_watch.h"
+#include "rig/daemon/preflight_watch.h"
 #include "rig/daemon/take_session.h"
 
 namespace rotunda::rig {
@@ -33,17 +36,25 @@ class RigDaemon {
   TakeProgress annotate_take(const TakeAnnotation& annotation);
   // Throws what record_plate throws, and DeviceError while a take is recording. Live goes on afterwards.
   PlateReport record_plate(std::uint64_t frame_sets);
+  // Writes a contact sheet of the newest pictures, of one camera or all; live for a moment if no trigger is given now.
+  // Throws InvalidInput for a camera that is none of the rig's, and what write_contact_sheet throws.
+  std::vector<IdentifiedCamera> identify(const IdentifyRequest& request);
   // Live before and after takes, or not. What keeps it from being so is a warning of the status.
   void set_live(bool on);
 
  private:
   std::string state_locked() const;
+  bool recording() const;
   bool recording_locked() const;
   void require_free_locked() const;
+  RigStatus session_status() const;  // without the preflight's findings
+  double expected_locked() const;
   void add_session(RigStatus& status, const FrameSetStream& stream) const;
   void keep_live(std::stop_token stop);
   void go_live_or_not();
   void follow_clock();
+  bool go_live_for_a_moment();  // true if it was not before
+  std::vector<CameraWorker*> workers_called(const std::string& name) const;
 
   config::RigConfig rig_;
   CameraFleet fleet_;
@@ -55,7 +66,9 @@ class RigDaemon {
   bool live_wanted_ = false;
   std::string live_problem_;
   std::unique_ptr<LiveSession> live_;
-  std::jthread live_keeper_;  // last
+  std::chrono::steady_clock::time_point session_begun_;  // of live or take
+  std::jthread live_keeper_;
+  std::optional<PreflightWatch> preflight_;  // last: asks for the status
 };
 
 }  // namespace rotunda::rig

@@ -78,6 +78,15 @@ class RigService final : public v1::Rig::Service {
     }
   }
 
+  grpc::Status Identify(grpc::ServerContext*, const v1::IdentifyRequest* request, v1::IdentifyAnswer* answer) override {
+    try {
+      *answer = to_message(daemon_.identify(from_message(*request)));
+      return grpc::Status::OK;
+    } catch (...) {
+      return refusal();
+    }
+  }
+
   grpc::Status StopTake(grpc::ServerContext*, const v1::StopTakeRequest*, v1::TakeProgress* answer) override {
     try {
       *answer = to_message(daemon_.stop_take());

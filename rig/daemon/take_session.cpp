@@ -124,6 +124,9 @@ TakeSession::TakeSession(const config::RigConfig& rig, const TakeRequest& reques
   progress_.folder = folder_;
   progress_.name = folder_.filename().string();
   progress_.slate = writer_->info().slate;
+  progress_.scene = request.scene;
+  progress_.shot = request.shot;
+  progress_.note = request.note;
   progress_.wanted = stream_.wanted().value_or(0);
   if (const auto missing = missing_cameras(fleet); !missing.empty())
     progress_.warnings.push_back(fmt::format("recording without {}", fmt::join(missing, ", ")));
@@ -197,6 +200,8 @@ void TakeSession::annotate(const TakeAnnotation& annotation) {
   }
   if (annotation.note) said_.note = annotation.note;
   if (annotation.circled) said_.circled = annotation.circled;
+  progress_.note = said_.note.value_or(progress_.note);
+  progress_.circled = said_.circled.value_or(progress_.circled);
   if (progress_.closed) capture::edit_take(folder_, {.note = said_.note, .circled = said_.circled});
 }
 

@@ -45,7 +45,8 @@ inline constexpr std::uint32_t kActionSelector = 0x10300, kActionDeviceKey = 0x1
 // clock and health; the offset is a signed 64-bit word in ns, the temperature is in 0.001 degrees Celsius
 inline constexpr std::uint32_t kPtpEnable = 0x10400, kPtpStatus = 0x10404, kPtpDataSetLatch = 0x10408,
                                kPtpOffset = 0x10410, kTimestampLatch = 0x10418, kTimestampReset = 0x1041C,
-                               kPtpServoStatus = 0x10420, kPtpClockId = 0x10428, kTemperature = 0x10500;
+                               kPtpServoStatus = 0x10420, kPtpClockId = 0x10428, kTemperature = 0x10500,
+                               kIndicator = 0x10504;
 // chunks: kChunkEnable is a word a chunk
 inline constexpr std::uint32_t kChunkModeActive = 0x10600, kChunkSelector = 0x10604, kChunkEnable = 0x10610;
 inline constexpr std::uint32_t kUserSetSelector = 0x10700, kUserSetLoad = 0x10704, kUserSetSave = 0x10708,

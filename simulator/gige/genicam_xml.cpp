@@ -18,7 +18,8 @@ void list_categories(GenicamWriter& xml) {
                  "ActionControl", "PtpControl", "ChunkDataControl", "UserSetControl", "TransportLayerControl"}});
   xml.category({"DeviceControl",
                 {"DeviceVendorName", "DeviceModelName", "DeviceVersion", "DeviceManufacturerInfo", "DeviceSerialNumber",
-                 "DeviceUserID", "DeviceTemperature", "TimestampLatch", "TimestampReset", "TimestampLatchValue"}});
+                 "DeviceUserID", "DeviceTemperature", "DeviceIndicatorMode", "TimestampLatch", "TimestampReset",
+                 "TimestampLatchValue"}});
   xml.category({"ImageFormatControl",
                 {"SensorWidth", "SensorHeight", "WidthMax", "HeightMax", "Width", "Height", "OffsetX", "OffsetY",
                  "PixelFormat"}});
@@ -69,6 +70,7 @@ void describe_device(GenicamWriter& xml) {
   xml.text("DeviceSerialNumber", 0xD8, 16);
   xml.text("DeviceUserID", reg::kUserName, 16, "RW");
   xml.floating({"DeviceTemperature", reg::kTemperature, "RO", "C", 1000.0, 0.0, 120.0});
+  xml.enumeration("DeviceIndicatorMode", reg::kIndicator, "RW", {{"Inactive", 0}, {"Active", 1}});
   xml.command("TimestampLatch", reg::kTimestampLatch);
   xml.command("TimestampReset", reg::kTimestampReset);
   xml.integer({"TimestampLatchValue", reg::kTimestampHigh, "RO", 0, kLong, 8, "Unsigned", 1, "ns"});

@@ -184,5 +184,34 @@ TEST(RigFileText, IsAcceptedByTheLoader) {
   EXPECT_EQ(again.trigger.rate_hz, rig.trigger.rate_hz);
 }
 
+TEST(RigFileText, KeepsWhatWouldBeYamlAndSaysWhatEachKeyDoes) {
+  auto rig = load_rig(written(kOneCamera));
+  rig.name = "studio: \"north\" #1";
+  rig.cameras[0] = {.name = "left", .find_by = "serial", .device = "0x12: {a}"};
+  rig.cameras.push_back({.name = "cam01", .find_by = "serial", .device = "22334455"});
+  rig.storage.reserve_mb = 100.5;
+  const std::vector<std::string> remarks{"Vendor Model, 10.0.0.2"};
+  const auto text = rig_file_text(rig, remarks);
+  const auto again = load_rig(written(text));
+  EXPECT_EQ(again.name, rig.name);
+  EXPECT_EQ(again.cameras[0].device, "0x12: {a}");
+  EXPECT_EQ(again.cameras[1].device, "22334455");
+  EXPECT_EQ(again.storage.reserve_mb, 100.5);
+  EXPECT_FALSE(again.cameras[0].exposure_us) << "what nobody set stays a comment";
+  for (const auto* words : {"# Vendor Model, 10.0.0.2", "# exposure_us: 5000", "# Microseconds", "# calibration:"})
+    EXPECT_THAT(text, HasSubstr(words));
+  std::istringstream lines(text);
+  bool explained = false;
+  for (std::string line; std::getline(lines, line);) {
+    const bool key = line.find(':') != std::string::npos && line.find('#') == std::string::npos && line.back() != ':';
+    if (line.rfind("  - ", 0) == 0 || line.find("name:") == 0 || line.find("  min") == 0 || line.find("  max") == 0)
+      continue;
+    if (key) {
+      EXPECT_TRUE(explained) << line;
+    }
+    explained = line.find('#') != std::string::npos;
+  }
+}
+
 }  // namespace
 }  // namespace rotunda::config
