@@ -46,11 +46,11 @@ std::vector<Line> help_view() {
   };
   return {
       {{" HELP ", Style::title}},
-      key("a", "arm: cameras are triggered and watched without recording; again: no longer"),
+      key("a", "arm: cameras are triggered and watched, not recorded; again: no longer"),
       key("r  s", "record a take with the slate's scene and shot; stop it"),
       key("m", "mark this moment of the running take"),
       key("n", "note of the running or last take"),
-      key("l", "slate: scene and shot of the takes to come; the take number counts itself"),
+      key("l", "slate: scene and shot of takes to come; take numbers count themselves"),
       key("c", "circle the running or last take (the one to use); again: no longer"),
       key("t", "takes: choose with the arrows; Enter replays (needs recon and a display)"),
       key("p", "forget the focus peaks"),

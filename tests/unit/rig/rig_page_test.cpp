@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "rig/tui/camera_rows.h"
+#include "rig/tui/take_page.h"
 
 namespace rotunda::rig {
 namespace {
@@ -130,6 +131,21 @@ TEST(RigPage, TellsDropsByTheirCauseShortWhereItIsNarrow) {
   EXPECT_EQ(drops_by_cause({{"late", 0}}, 20), "-");
   EXPECT_EQ(drops_by_cause({{"late", 3}, {"packets lost", 1}}, 40), "3 late, 1 packets lost");
   EXPECT_EQ(drops_by_cause({{"late", 3}, {"packets lost", 1}}, 18), "4: late 3 wire 1");
+}
+
+TEST(RigPage, HelpsWithinTheSmallestPage) {
+  EXPECT_LE(help_view().size(), 22U);
+  for (const auto& line : help_view()) EXPECT_LE(width_of(line), 80) << text_of(line);
+}
+
+TEST(RigPage, KeepsTheSelectedTakeInSight) {
+  auto state = studio();
+  state.view = View::takes;
+  for (int i = 0; i < 100; ++i) state.takes.push_back({.name = fmt::format("take{:03}", i), .state = "complete"});
+  for (const std::size_t selected : {0U, 19U, 20U, 57U, 99U}) {
+    state.selected = selected;
+    EXPECT_TRUE(has_style(line_with(lay_out(state, kSmall), state.takes[selected].name), Style::selected)) << selected;
+  }
 }
 
 TEST(RigPage, KeepsTheFocusPeakUntilItIsForgotten) {
