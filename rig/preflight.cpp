@@ -10,6 +10,7 @@
 #include <map>
 
 #include "capture/frame.h"
+#include "capture/sync/bandwidth_plan.h"
 
 namespace rotunda::rig {
 namespace {
@@ -23,15 +24,12 @@ constexpr double kUsualRate = 104e6;
 // A disk that is just fast enough is too slow as soon as it does anything else.
 constexpr double kDiskMargin = 1.4;
 constexpr int kJumboMtu = 8900;
-constexpr double kLinkShare = 0.9;  // of a link that pictures may fill: resends and heartbeats need the rest
 constexpr double kShortTime_s = 600.0;
 constexpr double kOldCalibration_days = 30.0;
 constexpr double kHot_celsius = 90.0;
-constexpr double kOffset_us = 1000.0;  // from its trigger; a moving hand blurs over 1 ms at 2 m/s by 2 mm
+constexpr double kHotCamera_celsius = 75.0;  // inside; most are made for 50 to 65 outside
+constexpr double kOffset_us = 1000.0;        // from its trigger; a moving hand blurs over 1 ms at 2 m/s by 2 mm
 constexpr double kSpread_us = 1000.0;
-
-// Of a packet: IP, UDP and GVSP headers inside its size; Ethernet header, checksum, preamble and gap around it.
-constexpr double kHeadersInside = 36.0, kHeadersAround = 38.0;
 constexpr int kDefaultMtu = 1500;
 
 Finding good(std::string what, std::string measured) {
@@ -150,30 +148,29 @@ const Link* link_of(const PreflightFacts& facts, const config::CameraConfig& cam
   return address ? link_towards(facts.links, *address) : nullptr;
 }
 
-struct LinkLoad {
-  std::vector<std::string> cameras;
-  double bits_per_second = 0.0;
-};
-
-double bits_on_the_wire(const PreflightFacts& facts, const config::CameraConfig& camera, const Link& link) {
-  const double packet =
-      camera.packet_size > 0 ? camera.packet_size : std::min(link.mtu > 0 ? link.mtu : kDefaultMtu, kJumboMtu);
-  const double packets = std::ceil(frame_bytes(facts, camera) / (packet - kHeadersInside)) + 2.0;  // leader, trailer
-  return 8.0 * packets * (packet + kHeadersAround) * facts.rig->trigger.rate_hz;
+std::string count(std::size_t cameras) {
+  return fmt::format("{} camera{}", cameras, cameras == 1 ? "" : "s");
 }
 
-std::map<std::string, LinkLoad> loads(const PreflightFacts& facts, Findings& findings) {
-  std::map<std::string, LinkLoad> loads;
-  if (!facts.rig) return loads;
+capture::LinkLoad load_of(const PreflightFacts& facts, const config::CameraConfig& camera, const Link& link) {
+  const auto* told = status_of(facts, camera.name);
+  const int of_link = std::min(link.mtu > 0 ? link.mtu : kDefaultMtu, kJumboMtu);
+  const int asked = camera.packet_size > 0 ? camera.packet_size : of_link;
+  return {.camera = camera.name,
+          .link = link.name,
+          .frame_bytes = static_cast<std::size_t>(frame_bytes(facts, camera)),
+          .packet_size = told && told->packet_size > 0 ? static_cast<int>(told->packet_size) : asked};
+}
+
+std::vector<capture::LinkLoad> loads_of(const PreflightFacts& facts, Findings& findings) {
+  std::vector<capture::LinkLoad> loads;
   std::vector<std::string> nowhere;
   for (const auto& camera : facts.rig->cameras) {
-    if (camera.source != "aravis") continue;
-    if (const auto* link = link_of(facts, camera)) {
-      loads[link->name].cameras.push_back(camera.name);
-      loads[link->name].bits_per_second += bits_on_the_wire(facts, camera, *link);
-    } else {
+    if (camera.source != config::CameraConfig{}.source) continue;  // others hang on no network
+    if (const auto* link = link_of(facts, camera))
+      loads.push_back(load_of(facts, camera, *link));
+    else
       nowhere.push_back(camera.name);
-    }
   }
   if (!nowhere.empty())
     findings.push_back({"links", Verdict::look,
@@ -182,34 +179,42 @@ std::map<std::string, LinkLoad> loads(const PreflightFacts& facts, Findings& fin
   return loads;
 }
 
-void check_load(const Link& link, const LinkLoad& load, Findings& findings) {
-  const auto what = "link " + link.name;
-  const auto measured = fmt::format("{} cameras send {:.2f} Gbit/s", load.cameras.size(), load.bits_per_second * 1e-9);
-  const double speed = link.speed_mbit * 1e6;
-  if (speed > 0.0 && load.bits_per_second > kLinkShare * speed)
-    findings.push_back(
-        {what, Verdict::look, fmt::format("{} of its {:.2f}", measured, speed * 1e-9),
-         fmt::format("keep below {:.0f} %: spread the cameras over more links, lower trigger.rate_hz, or "
-                     "make width and height smaller",
-                     100.0 * kLinkShare)});
-  else
-    findings.push_back(good(what, speed > 0.0 ? fmt::format("{} of its {:.2f}", measured, speed * 1e-9) : measured));
+// The same plan by which takes are refused (capture/sync/bandwidth_plan.h).
+void check_bandwidth(const PreflightFacts& facts, const std::vector<capture::LinkLoad>& loads, Findings& findings) {
+  std::map<std::string, double> speeds;
+  for (const auto& link : facts.links)
+    if (link.speed_mbit > 0) speeds[link.name] = link.speed_mbit * 1e6;
+  for (const auto& link : capture::plan_bandwidth(loads, speeds, facts.rig->trigger.rate_hz).links)
+    findings.push_back({"link " + link.link, link.fits ? Verdict::good : Verdict::stop,
+                        link.arithmetic.substr(link.link.size() + 2),
+                        link.fits ? "" : "a take is refused until they fit"});
+  for (const auto& link : facts.links) {
+    const auto on_it = std::count_if(loads.begin(), loads.end(), [&](const auto& l) { return l.link == link.name; });
+    if (on_it > 0 && link.speed_mbit <= 0)
+      findings.push_back(good("link " + link.name, count(static_cast<std::size_t>(on_it)) + ", no limit known"));
+  }
+}
+
+void check_mtu(const Link& link, bool has_cameras, Findings& findings) {
+  const auto what = "MTU of " + link.name;
+  const auto measured = fmt::format("{} bytes", link.mtu);
+  if (link.mtu >= kJumboMtu) return findings.push_back(good(what, measured));
+  findings.push_back({what, Verdict::note, measured,
+                      fmt::format("{}ip link set {} mtu 9000 (and on the switch); without it capture costs six times "
+                                  "the CPU",
+                                  has_cameras ? "" : "if cameras hang on it: ", link.name)});
 }
 
 void check_links(const PreflightFacts& facts, Findings& findings) {
-  const auto load_of = loads(facts, findings);
-  for (const auto& link : facts.links) {
-    const auto load = load_of.find(link.name);
-    if (load != load_of.end()) check_load(link, load->second, findings);
-    if (facts.rig && load == load_of.end()) continue;
-    const bool jumbo = link.mtu >= kJumboMtu;
-    findings.push_back(
-        {fmt::format("MTU of {}", link.name), jumbo ? Verdict::good : Verdict::note, fmt::format("{} bytes", link.mtu),
-         jumbo ? ""
-               : fmt::format("{}ip link set {} mtu 9000 (and on the switch); without it capture costs six "
-                             "times the CPU",
-                             facts.rig ? "" : "if cameras hang on it: ", link.name)});
+  if (!facts.rig) {
+    for (const auto& link : facts.links) check_mtu(link, false, findings);
+    return;
   }
+  const auto loads = loads_of(facts, findings);
+  check_bandwidth(facts, loads, findings);
+  for (const auto& link : facts.links)
+    if (std::any_of(loads.begin(), loads.end(), [&](const auto& load) { return load.link == link.name; }))
+      check_mtu(link, true, findings);
 }
 
 bool simulated(const PreflightFacts& facts) {
@@ -231,10 +236,17 @@ void check_host_clock(const PreflightFacts& facts, Findings& findings) {
 
 void check_camera_clocks(const PreflightFacts& facts, Findings& findings) {
   if (!facts.status) return;
-  std::vector<std::string> off;
-  for (const auto& camera : facts.status->cameras)
+  std::vector<std::string> off, unsure;
+  for (const auto& camera : facts.status->cameras) {
     if (camera.offset_us && std::abs(*camera.offset_us) > kOffset_us)
       off.push_back(fmt::format("{} by {:+.1f} ms", camera.name, *camera.offset_us * 1e-3));
+    if (camera.clock_error_us.value_or(0.0) > kOffset_us)
+      unsure.push_back(fmt::format("{} by {:.1f} ms ({})", camera.name, *camera.clock_error_us * 1e-3,
+                                   camera.clock.value_or("clock unknown")));
+  }
+  if (!unsure.empty())
+    findings.push_back({"camera time stamps", Verdict::look, fmt::format("may be wrong: {}", fmt::join(unsure, ", ")),
+                        "switch on PTP in these cameras, and see that one master serves all of them"});
   const double spread = facts.status->spread_p99_us;
   if (!off.empty())
     findings.push_back({"camera clocks", Verdict::look, fmt::format("off their triggers: {}", fmt::join(off, ", ")),
@@ -271,11 +283,21 @@ void check_calibration(const PreflightFacts& facts, Findings& findings) {
 }
 
 void check_temperature(const PreflightFacts& facts, Findings& findings) {
-  if (!facts.hottest_celsius) return;
-  const auto measured = fmt::format("this machine {:.0f} degrees", *facts.hottest_celsius);
-  if (*facts.hottest_celsius < kHot_celsius) return findings.push_back(good("temperature", measured));
-  findings.push_back(
-      {"temperature", Verdict::look, measured, "it slows down when it gets hotter: clean its fans, give it air"});
+  std::vector<std::string> hot, told;
+  if (facts.hottest_celsius) {
+    auto& list = *facts.hottest_celsius > kHot_celsius ? hot : told;
+    list.push_back(fmt::format("this machine {:.0f}", *facts.hottest_celsius));
+  }
+  for (const auto& camera : facts.status ? facts.status->cameras : std::vector<CameraStatus>{})
+    if (camera.temperature_c) {
+      auto& list = *camera.temperature_c > kHotCamera_celsius ? hot : told;
+      list.push_back(fmt::format("{} {:.0f}", camera.name, *camera.temperature_c));
+    }
+  if (!hot.empty())
+    findings.push_back({"temperature", Verdict::look, fmt::format("{} degrees", fmt::join(hot, ", ")),
+                        "give them air: a hot camera's pictures get noisy and it stops, a hot machine gets slow"});
+  else if (!told.empty())
+    findings.push_back(good("temperature", fmt::format("{} degrees", fmt::join(told, ", "))));
 }
 
 void check_renderer(const PreflightFacts& facts, Findings& findings) {

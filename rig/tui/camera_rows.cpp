@@ -8,13 +8,13 @@
 namespace rotunda::rig {
 namespace {
 
-constexpr int kWide = 120;  // columns from which there is room for what an engineer looks at
+constexpr int kWide = 120, kWider = 150;  // columns from which there is room for what an engineer looks at
 constexpr double kAtPeak = 0.97;
 constexpr double kClippedMuch = 0.02;
 
 struct Columns {
   int name = 8, state = 9, rate = 5, drops = 0, offset = 9, clipped = 5, score = 3, bar = 8;
-  int device = 0, frames = 0, resends = 0, drift = 0;  // where it is wide
+  int device = 0, frames = 0, resends = 0, drift = 0, clock = 0, heat = 0;  // where it is wide
 };
 
 // One space stands between columns; the drops get what is left.
@@ -25,10 +25,14 @@ Columns columns_for(int width) {
     c.frames = 9;
     c.resends = 8;
     c.drift = 8;
+  }
+  if (width >= kWider) {
+    c.clock = 10;
+    c.heat = 4;
     c.bar = 20;
   }
   int used = c.name + c.state + c.rate + c.offset + c.clipped + c.score + c.bar + 7;
-  for (const int extra : {c.device, c.frames, c.resends, c.drift})
+  for (const int extra : {c.device, c.frames, c.resends, c.drift, c.clock, c.heat})
     if (extra > 0) used += extra + 1;
   c.drops = std::max(4, width - used);
   return c;
@@ -50,6 +54,8 @@ Line head(const Columns& c) {
   add(line, left_in("drops", c.drops), Style::title);
   add(line, right_in("clock us", c.offset), Style::title);
   if (c.drift) add(line, right_in("ppm", c.drift), Style::title);
+  if (c.clock) add(line, left_in("clock", c.clock), Style::title);
+  if (c.heat) add(line, right_in("deg", c.heat), Style::title);
   add(line, right_in("clip%", c.clipped), Style::title);
   add(line, left_in("focus, peak", c.score + 1 + c.bar), Style::title);
   return line;
@@ -90,6 +96,8 @@ Line row(const CameraStatus& camera, double rate_hz, double peak, const Columns&
   add(line, left_in(drops, c.drops), drops == "-" ? Style::dim : Style::warn);
   add(line, right_in(number_or_dash(camera.offset_us, "{:+.1f}"), c.offset));
   if (c.drift) add(line, right_in(number_or_dash(camera.drift_ppm, "{:+.2f}"), c.drift));
+  if (c.clock) add(line, left_in(camera.clock.value_or("-"), c.clock));
+  if (c.heat) add(line, right_in(number_or_dash(camera.temperature_c, "{:.0f}"), c.heat));
   add(line, right_in(number_or_dash(camera.clipped, "{:.1f}", 100.0), c.clipped),
       camera.clipped.value_or(0.0) > kClippedMuch ? Style::warn : Style::plain);
   add_focus(line, camera, peak, c);

@@ -33,6 +33,10 @@ void add_take(const TakeProgress& take, std::vector<Span>& spans) {
   for (const auto& warning : take.warnings) spans.push_back({warning, Style::warn});
 }
 
+bool names_itself(const CameraStatus& camera) {
+  return camera.problem.rfind(camera.name, 0) == 0;
+}
+
 void add_cameras(const RigStatus& status, std::vector<Span>& spans) {
   for (const auto& camera : status.cameras) {
     const auto health = health_of(camera, status.rate_hz);
@@ -44,7 +48,8 @@ void add_cameras(const RigStatus& status, std::vector<Span>& spans) {
       spans.push_back(
           {camera.problem.empty() ? fmt::format("{} is {}", camera.name, camera.state) : camera.problem, Style::alarm});
     else if (!camera.problem.empty())
-      spans.push_back({fmt::format("{}: {}", camera.name, camera.problem), Style::warn});
+      spans.push_back(
+          {names_itself(camera) ? camera.problem : fmt::format("{}: {}", camera.name, camera.problem), Style::warn});
   }
 }
 

@@ -101,8 +101,12 @@ TEST(RigPage, TellsTheRecordingTakeAtEightyColumns) {
 }
 
 TEST(RigPage, TellsTheEngineerMoreWhereThereIsRoom) {
-  const auto page = lay_out(recording_studio(), kLarge);
-  const auto& head = text_of(page[3]);
+  auto state = recording_studio();
+  state.status->cameras[0].clock = "ptp slave";
+  state.status->cameras[0].temperature_c = 41.6;
+  const auto page = lay_out(state, kLarge);
+  EXPECT_THAT(text_of(page[4]), HasSubstr(" ptp slave    42 "));
+  const auto head = text_of(page[3]);
   for (const auto* word : {"device", "frames", "resends", "ppm"}) EXPECT_THAT(head, HasSubstr(word));
   EXPECT_THAT(text_of(page[4]), AllOf(HasSubstr("10.0.0.10"), HasSubstr("1234"), HasSubstr("-0.50")));
   EXPECT_EQ(width_of(page[4]), 160);
