@@ -144,12 +144,11 @@ TakeProgress RigClient::annotate_take(const TakeAnnotation& annotation) {
 }
 
 PlateReport RigClient::record_plate(std::uint64_t frame_sets) {
-  grpc::ClientContext context;
-  set_deadline(context, std::chrono::seconds(120));
+  Call call(*connection_, std::chrono::seconds(120));
   v1::RecordPlateRequest request;
   request.set_frame_sets(frame_sets);
   v1::PlateReport report;
-  connection_->check(connection_->stub->RecordPlate(&context, request, &report));
+  connection_->check(connection_->stub->RecordPlate(&call.context, request, &report));
   return from_message(report);
 }
 
