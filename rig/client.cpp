@@ -18,12 +18,13 @@ namespace {
 constexpr std::chrono::seconds kAnswerTime{10};
 constexpr std::chrono::seconds kPictureTime{60};  // going live, a picture of every camera, blinking
 
-// A daemon that comes back is found at once: gRPC's own patience between attempts grows to minutes.
+// A daemon that comes back is found at once: gRPC's own patience between attempts grows to minutes. An attempt itself
+// (gRPC's minimal reconnect time) may take a busy machine seconds.
 std::shared_ptr<grpc::Channel> connect(const std::filesystem::path& socket) {
-  constexpr int kFirst_ms = 200, kMost_ms = 1000;
+  constexpr int kFirst_ms = 200, kMost_ms = 1000, kAttempt_ms = 10000;
   grpc::ChannelArguments arguments;
   arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, kFirst_ms);
-  arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, kFirst_ms);
+  arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, kAttempt_ms);
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, kMost_ms);
   return grpc::CreateCustomChannel("unix:" + socket.string(), grpc::InsecureChannelCredentials(), arguments);
 }
