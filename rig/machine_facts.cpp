@@ -111,6 +111,8 @@ PreflightFacts machine_facts(const fs::path& takes, const std::optional<config::
 }
 
 std::optional<double> measure_disk(const fs::path& folder, const DiskTrial& trial) {
+  std::error_code error;
+  if (const auto space = fs::space(folder, error); error || space.available < 2 * trial.bytes) return std::nullopt;
   auto name = (folder / "rotunda-disk-XXXXXX").string();
   const capture::UniqueFd file(mkostemp(name.data(), O_CLOEXEC));
   if (!file) return std::nullopt;

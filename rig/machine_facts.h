@@ -16,7 +16,8 @@ struct DiskTrial {
   std::function<bool()> go_on = [] { return true; };  // asked before each block of 4 MB
 };
 
-// Bytes a second that the folder's disk takes, flushed; nothing if it cannot be written or the trial was ended.
+// Bytes a second that the folder's disk takes, flushed; nothing if it cannot be written, has not twice the room, or the
+// trial was ended.
 std::optional<double> measure_disk(const std::filesystem::path& folder, const DiskTrial& trial);
 
 }  // namespace rotunda::rig

@@ -25,11 +25,16 @@ void add_live_command(CLI::App& rig, CommandLine& line);          // rig live
 void add_identify_command(CLI::App& cameras, CommandLine& line);  // cameras identify
 void add_take_commands(CommandLine& line);                        // take ...
 void add_take_edit_commands(CLI::App& take, CommandLine& line);   // take mark, note, circle, rename, trim
+void add_take_check_commands(CLI::App& take, CommandLine& line);  // take verify, recover
 void add_plate_command(CommandLine& line);                        // plate
 void add_recon_commands(CommandLine& line);                       // recon, map
 void add_render_commands(CommandLine& line);                      // render, play
 void add_doctor_command(CommandLine& line);                       // doctor
 void add_tui_command(CommandLine& line);                          // tui
+
+// Adds a command that works on one take given by name or path.
+CLI::App* add_on_take(CLI::App& take, CommandLine& line, const std::string& command, const std::string& what,
+                      std::function<int(const std::string&, std::stop_token)> work);
 
 // Where takes lie: --takes, else ROTUNDA_TAKES, else the running daemon's, else ./takes.
 std::filesystem::path takes_folder(const CommandLine& line);

@@ -1,4 +1,4 @@
-// rotunda take start | stop | list | show | verify | recover | import | export.
+// rotunda take start | stop | list | show | import | export.
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
@@ -12,8 +12,6 @@
 #include "capture/take/take_export.h"
 #include "capture/take/take_import.h"
 #include "capture/take/take_reader.h"
-#include "capture/take/take_recovery.h"
-#include "capture/take/take_verify.h"
 #include "config/errors.h"
 #include "config/exit_code.h"
 #include "config/progress.h"
@@ -187,55 +185,6 @@ int show_take(const CommandLine& line, const std::string& name) {
   return kDone;
 }
 
-json to_json(const capture::TakeReport& report) {
-  json cameras = json::array(), gaps = json::array();
-  for (const auto& camera : report.cameras)
-    cameras.push_back(
-        {{"name", camera.name}, {"frames", camera.frames}, {"missing", camera.missing}, {"corrupt", camera.corrupt}});
-  for (const auto& gap : report.gaps)
-    gaps.push_back({{"camera", gap.camera}, {"first_trigger", gap.first_trigger}, {"frames", gap.frames}});
-  return {{"name", report.name},
-          {"state", to_string(report.state)},
-          {"frame_sets", report.frame_sets},
-          {"complete", report.complete},
-          {"incomplete", report.incomplete},
-          {"cameras", cameras},
-          {"gaps", gaps},
-          {"problems", report.problems},
-          {"whole", report.whole()}};
-}
-
-int tell_report(const capture::TakeReport& report, bool as_json) {
-  if (as_json) {
-    fmt::print("{}\n", to_json(report).dump(2));
-    return report.whole() ? kDone : kDoneWithLoss;
-  }
-  fmt::print("take {} ({}): {} frame sets, {} complete, {} incomplete\n", report.name, to_string(report.state),
-             report.frame_sets, report.complete, report.incomplete);
-  for (const auto& camera : report.cameras)
-    if (camera.missing > 0 || camera.corrupt > 0)
-      fmt::print("  {}: {} missing, {} corrupt\n", camera.name, camera.missing, camera.corrupt);
-  for (const auto& gap : report.gaps)
-    fmt::print("  {}: {} frames missing from trigger {} on\n", gap.camera, gap.frames, gap.first_trigger);
-  for (const auto& problem : report.problems) fmt::print("  problem: {}\n", problem);
-  if (report.state == capture::TakeState::recording)
-    fmt::print("  it was never closed; count and close it with: rotunda take recover {}\n", report.name);
-  return report.whole() ? kDone : kDoneWithLoss;
-}
-
-using Check = capture::TakeReport (*)(const fs::path&, const capture::Progress&, std::stop_token);
-
-int check_take(const CommandLine& line, const std::string& name, const char* what, Check check, std::stop_token stop) {
-  const auto folder = find_take(line, name);
-  capture::TakeReport report;
-  {
-    Progress bar(what);
-    report = check(
-        folder, [&](std::size_t done, std::size_t total) { bar.update(done, total); }, stop);
-  }
-  return tell_report(report, line.json);
-}
-
 int import_take(const CommandLine& line, capture::TakeImportOptions options, std::stop_token stop) {
   options.takes = takes_folder(line);
   capture::TakeInfo info;
@@ -265,19 +214,6 @@ int export_take(const CommandLine& line, const std::string& name, const fs::path
   else
     fmt::print("{} pictures in {}, {} missing\n", result.written, folder.string(), result.missing);
   return result.missing > 0 ? kDoneWithLoss : kDone;
-}
-
-// Adds a command that works on one take given by name or path.
-CLI::App* add_on_take(CLI::App& take, CommandLine& line, const std::string& command, const std::string& what,
-                      std::function<int(const std::string&, std::stop_token)> work) {
-  auto* app = take.add_subcommand(command, what);
-  auto name = std::make_shared<std::string>();
-  app->add_option("take", *name, "a take's name in storage, or its path")->required();
-  app->footer("Example:\n  rotunda take " + command + " demo");
-  app->callback([&line, name, work = std::move(work)] {
-    line.run = [name, work](std::stop_token stop) { return work(*name, std::move(stop)); };
-  });
-  return app;
 }
 
 void add_start(CLI::App& take, CommandLine& line) {
@@ -328,6 +264,18 @@ void add_export(CLI::App& take, CommandLine& line) {
 
 }  // namespace
 
+CLI::App* add_on_take(CLI::App& take, CommandLine& line, const std::string& command, const std::string& what,
+                      std::function<int(const std::string&, std::stop_token)> work) {
+  auto* app = take.add_subcommand(command, what);
+  auto name = std::make_shared<std::string>();
+  app->add_option("take", *name, "a take's name in storage, or its path")->required();
+  app->footer("Example:\n  rotunda take " + command + " demo");
+  app->callback([&line, name, work = std::move(work)] {
+    line.run = [name, work](std::stop_token stop) { return work(*name, std::move(stop)); };
+  });
+  return app;
+}
+
 void add_take_commands(CommandLine& line) {
   auto* take =
       line.app.add_subcommand("take", "records, checks, lists, imports and exports takes")->require_subcommand(1);
@@ -344,14 +292,7 @@ void add_take_commands(CommandLine& line) {
   list->callback([&line] { line.run = [&line](std::stop_token) { return list_takes(line); }; });
   add_on_take(*take, line, "show", "what a take holds",
               [&line](const std::string& name, std::stop_token) { return show_take(line, name); });
-  add_on_take(*take, line, "verify", "reads every frame and checks it against its checksum",
-              [&line](const std::string& name, std::stop_token stopping) {
-                return check_take(line, name, "verifying", capture::verify_take, std::move(stopping));
-              });
-  add_on_take(*take, line, "recover", "closes a take whose recording was cut off; recorded frames stay untouched",
-              [&line](const std::string& name, std::stop_token stopping) {
-                return check_take(line, name, "recovering", capture::recover_take, std::move(stopping));
-              });
+  add_take_check_commands(*take, line);
   add_take_edit_commands(*take, line);
   add_import(*take, line);
   add_export(*take, line);

@@ -31,19 +31,35 @@ bool PreflightWatch::quiet() const {
   return state != "recording" && state != "stopping";
 }
 
+// A disk that takes a recording is not tried as well; the trial comes once.
+void PreflightWatch::try_disk(const DiskFacts& disk, const std::stop_token& stop) {
+  if (disk_tried_ || !disk.writable || !quiet()) return;
+  disk_speed_ = measure_disk(disk.folder, {.bytes = kTrialBytes, .time = kTrialTime, .go_on = [&] {
+                                             return !stop.stop_requested() && quiet();
+                                           }});
+  disk_tried_ = disk_speed_ || quiet();
+}
+
+std::vector<Finding> PreflightWatch::look(const std::stop_token& stop) {
+  auto facts = machine_facts(rig_.storage.takes, rig_);
+  try_disk(facts.disk, stop);
+  facts.disk.bytes_per_second = disk_speed_;
+  facts.status = status_();
+  auto findings = preflight(facts);
+  std::erase_if(findings, [](const Finding& finding) { return finding.verdict == Verdict::good; });
+  return findings;
+}
+
 void PreflightWatch::run(std::stop_token stop) {
   pthread_setname_np(pthread_self(), "preflight");
-  std::optional<double> disk;
   while (!stop.stop_requested()) {
-    auto facts = machine_facts(rig_.storage.takes, rig_);
-    if (!disk && facts.disk.writable)
-      disk = measure_disk(facts.disk.folder, {.bytes = kTrialBytes, .time = kTrialTime, .go_on = [&] {
-                                                return !stop.stop_requested() && quiet();
-                                              }});
-    facts.disk.bytes_per_second = disk;
-    facts.status = status_();
-    auto findings = preflight(facts);
-    std::erase_if(findings, [](const Finding& finding) { return finding.verdict == Verdict::good; });
+    std::vector<Finding> findings;
+    try {
+      findings = look(stop);
+    } catch (const std::exception& error) {
+      findings = {
+          {"preflight", Verdict::note, error.what(), "the machine was not looked at; rotunda doctor may tell more"}};
+    }
     std::unique_lock lock(mutex_);
     findings_ = std::move(findings);
     wake_.wait_for(lock, stop, kLookEvery, [] { return false; });

@@ -21,10 +21,14 @@ class PreflightWatch {
 
  private:
   void run(std::stop_token stop);
+  std::vector<Finding> look(const std::stop_token& stop);
+  void try_disk(const DiskFacts& disk, const std::stop_token& stop);
   bool quiet() const;  // nothing records now
 
   config::RigConfig rig_;
   std::function<RigStatus()> status_;
+  bool disk_tried_ = false;  // these two: the watch's thread only
+  std::optional<double> disk_speed_;
   mutable std::mutex mutex_;
   std::condition_variable_any wake_;
   std::vector<Finding> findings_;
