@@ -217,7 +217,7 @@ SourceHealth AravisSource::look() {
   } catch (const DeviceError& error) {
     if (features_->is_gone()) {
       state_ = SourceState::lost;
-      throw DeviceError(settings_.camera, settings_.device + " does not answer any more; check its cable and power");
+      throw DeviceError(settings_.camera, settings_.device + " no longer answers; check its cable and power");
     }
     SourceHealth health;
     health.clock.problem = error.what();
