@@ -228,7 +228,7 @@ void CameraWorker::heal() {
   if (!ailment) return;
   spdlog::warn("{}", *ailment);
   const std::lock_guard lock(mutex_);
-  status_.problem = *ailment;
+  ailment_ = *ailment;
 }
 
 void CameraWorker::blink(std::chrono::milliseconds time) {
@@ -290,6 +290,7 @@ void CameraWorker::tell_health() {
   status_.clock_error_us = in_us(clock.error);
   status_.temperature_c = health_.temperature_c;
   auto problems = description_.warnings;
+  if (!ailment_.empty()) problems.push_back(ailment_);
   if (!clock.problem.empty()) problems.push_back(clock.problem);
   status_.problem = fmt::format("{}", fmt::join(problems, "; "));
 }
@@ -314,6 +315,7 @@ void CameraWorker::take_down(const std::string& problem) {
     status_.state = problem.empty() ? "closed" : "lost";
     status_.rate_hz = 0.0;
     health_ = {};
+    ailment_.clear();
     status_.clock.reset();
     status_.clock_offset_us.reset();
     status_.clock_error_us.reset();

@@ -70,6 +70,7 @@ class CameraWorker {
   CameraStatus status_;
   capture::SourceDescription description_;
   capture::SourceHealth health_;
+  std::string ailment_;  // what heal() cured, until the camera is opened anew
   std::deque<std::pair<std::chrono::steady_clock::time_point, std::uint64_t>> frame_counts_;  // of the last second
   std::uint64_t software_triggers_ = 0;                                                       // asked for, not yet sent
   std::chrono::steady_clock::time_point next_look_;  // touched by the worker's thread only

@@ -118,7 +118,7 @@ class Operator : public StudioTest {
 TEST_F(Operator, RecordsMarksNotesAndStopsByKeysAndAQuitPageStopsNothing) {
   const auto daemon = start_rig();
   const auto page = open_page();
-  if (!page) GTEST_SKIP() << "no tmux to open a terminal with";
+  ASSERT_TRUE(page) << "no tmux to open a terminal with; scripts/install-packages brings it";
   page->wait_for("ARMED");
   for (const auto* camera : {"cam00", "cam01", "cam02"}) EXPECT_THAT(page->screen(), HasSubstr(camera));
 
@@ -174,7 +174,7 @@ TEST_F(Operator, RecordsMarksNotesAndStopsByKeysAndAQuitPageStopsNothing) {
 TEST_F(Operator, SeesALostCameraInRedWithinASecond) {
   const auto daemon = start_rig();
   const auto page = open_page();
-  if (!page) GTEST_SKIP() << "no tmux to open a terminal with";
+  ASSERT_TRUE(page) << "no tmux to open a terminal with; scripts/install-packages brings it";
   page->wait_for("ARMED");
   page->press("a");
   page->wait_for("LIVE");
@@ -204,7 +204,7 @@ TEST_F(Operator, SeesALostCameraInRedWithinASecond) {
 TEST_F(Operator, IsToldInWordsWhenTheDaemonIsSilentOrGoneAndSeesItComeBack) {
   auto daemon = start_rig();
   const auto page = open_page();
-  if (!page) GTEST_SKIP() << "no tmux to open a terminal with";
+  ASSERT_TRUE(page) << "no tmux to open a terminal with; scripts/install-packages brings it";
   page->wait_for("ARMED");
   daemon->send(SIGSTOP);
   page->wait_for("the daemon has not answered for");
@@ -226,7 +226,7 @@ TEST_F(Operator, IsToldInWordsWhenTheDaemonIsSilentOrGoneAndSeesItComeBack) {
 TEST_F(Operator, ResizesAndLeavesTheTerminalAsItWasWhateverEndsIt) {
   const auto daemon = start_rig();
   const auto page = open_page();
-  if (!page) GTEST_SKIP() << "no tmux to open a terminal with";
+  ASSERT_TRUE(page) << "no tmux to open a terminal with; scripts/install-packages brings it";
   page->wait_for("ARMED");
   EXPECT_THAT(page->screen(), Not(HasSubstr("resends")));
   page->resize(160, 50);

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/support/device_error.h"
 #include "tests/unit/capture/fake_features.h"
 
 namespace rotunda::capture {
@@ -12,16 +13,7 @@ using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
-
-template <class Call>
-std::string device_error_of(Call call) {
-  try {
-    call();
-  } catch (const DeviceError& error) {
-    return error.what();
-  }
-  return "no DeviceError";
-}
+using tests::device_error_of;
 
 TEST(CameraSettings, ADifferenceIsWhatRoundingDoesNotExplain) {
   EXPECT_TRUE(is_same_setting("5000", "5000.5"));
