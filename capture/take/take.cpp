@@ -192,21 +192,19 @@ void emit_camera(YAML::Emitter& out, const TakeCamera& camera) {
   out << YAML::EndMap;
 }
 
-double in_microseconds(std::chrono::nanoseconds time) {
-  return static_cast<double>(time.count()) * 1e-3;
-}
+using Microseconds = std::chrono::duration<double, std::micro>;
 
 void emit_sync(YAML::Emitter& out, const SyncSummary& sync) {
   out << YAML::Key << "sync" << YAML::Value << YAML::BeginMap;
   out << YAML::Key << "sets" << YAML::Value << sync.sets;
-  out << YAML::Key << "spread_median_us" << YAML::Value << in_microseconds(sync.spread_median);
-  out << YAML::Key << "spread_p99_us" << YAML::Value << in_microseconds(sync.spread_p99);
-  out << YAML::Key << "spread_max_us" << YAML::Value << in_microseconds(sync.spread_max);
+  out << YAML::Key << "spread_median_us" << YAML::Value << Microseconds(sync.spread_median).count();
+  out << YAML::Key << "spread_p99_us" << YAML::Value << Microseconds(sync.spread_p99).count();
+  out << YAML::Key << "spread_max_us" << YAML::Value << Microseconds(sync.spread_max).count();
   out << YAML::Key << "cameras" << YAML::Value << YAML::BeginSeq;
   for (const auto& camera : sync.cameras) {
     out << YAML::Flow << YAML::BeginMap;
-    out << YAML::Key << "offset_us" << YAML::Value << in_microseconds(camera.offset);
-    out << YAML::Key << "jitter_us" << YAML::Value << in_microseconds(camera.jitter);
+    out << YAML::Key << "offset_us" << YAML::Value << Microseconds(camera.offset).count();
+    out << YAML::Key << "jitter_us" << YAML::Value << Microseconds(camera.jitter).count();
     out << YAML::Key << "drift_ppm" << YAML::Value << camera.drift_ppm << YAML::EndMap;
   }
   out << YAML::EndSeq << YAML::EndMap;

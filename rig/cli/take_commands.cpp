@@ -63,9 +63,7 @@ int start_take(const CommandLine& line, const TakeRequest& request, std::stop_to
   return tell_take(take, line.json);
 }
 
-double in_microseconds(std::chrono::nanoseconds time) {
-  return static_cast<double>(time.count()) * 1e-3;
-}
+using Microseconds = std::chrono::duration<double, std::micro>;
 
 json to_json(const capture::TakeCamera& camera, const capture::CameraSync& sync) {
   json reasons = json::object();
@@ -77,8 +75,8 @@ json to_json(const capture::TakeCamera& camera, const capture::CameraSync& sync)
           {"frames", camera.frames},
           {"missing", camera.missing},
           {"missing_because", reasons},
-          {"offset_us", in_microseconds(sync.offset)},
-          {"jitter_us", in_microseconds(sync.jitter)},
+          {"offset_us", Microseconds(sync.offset).count()},
+          {"jitter_us", Microseconds(sync.jitter).count()},
           {"drift_ppm", sync.drift_ppm}};
 }
 
@@ -103,9 +101,9 @@ json to_json(const capture::TakeInfo& info) {
           {"note", info.note},
           {"frame_sets", info.frame_sets},
           {"complete", info.complete_sets},
-          {"spread_median_us", in_microseconds(info.sync.spread_median)},
-          {"spread_p99_us", in_microseconds(info.sync.spread_p99)},
-          {"spread_max_us", in_microseconds(info.sync.spread_max)},
+          {"spread_median_us", Microseconds(info.sync.spread_median).count()},
+          {"spread_p99_us", Microseconds(info.sync.spread_p99).count()},
+          {"spread_max_us", Microseconds(info.sync.spread_max).count()},
           {"cameras", cameras}};
 }
 
@@ -145,8 +143,8 @@ void tell_camera(const capture::TakeCamera& camera, const capture::CameraSync& s
     causes += fmt::format("{}{} {}", causes.empty() ? " (" : ", ", count, to_string(why));
   fmt::print("  {:<10} {} x {} {:<9} {} frames, {} missing{}{}", camera.name, camera.width, camera.height,
              to_string(camera.format), camera.frames, camera.missing, causes, causes.empty() ? "" : ")");
-  fmt::print("; {:+.1f} us from the trigger, {:.1f} us jitter, {:+.2f} ppm\n", in_microseconds(sync.offset),
-             in_microseconds(sync.jitter), sync.drift_ppm);
+  fmt::print("; {:+.1f} us from the trigger, {:.1f} us jitter, {:+.2f} ppm\n", Microseconds(sync.offset).count(),
+             Microseconds(sync.jitter).count(), sync.drift_ppm);
 }
 
 std::uintmax_t bytes_in(const fs::path& folder) {
@@ -173,8 +171,8 @@ int show_take(const CommandLine& line, const std::string& name) {
   if (!info.note.empty()) fmt::print("  note: {}\n", info.note);
   if (info.sync.sets > 0)
     fmt::print("  exposures of a frame set start within {:.1f} us (median), {:.1f} us (99 %), {:.1f} us (worst)\n",
-               in_microseconds(info.sync.spread_median), in_microseconds(info.sync.spread_p99),
-               in_microseconds(info.sync.spread_max));
+               Microseconds(info.sync.spread_median).count(), Microseconds(info.sync.spread_p99).count(),
+               Microseconds(info.sync.spread_max).count());
   for (std::size_t i = 0; i < info.cameras.size(); ++i) tell_camera(info.cameras[i], sync_of(info, i));
   for (const auto& mark : reader.journal().marks)
     fmt::print("  mark at frame {}: {}\n", mark.trigger - info.first_trigger, mark.text);

@@ -283,7 +283,7 @@ void CameraWorker::refresh_status() {
 void CameraWorker::tell_health() {
   const auto& clock = health_.clock;
   const auto in_us = [](const auto& time) {
-    return time ? std::optional(static_cast<double>(time->count()) * 1e-3) : std::nullopt;
+    return time ? std::optional(std::chrono::duration<double, std::micro>(*time).count()) : std::nullopt;
   };
   status_.clock = clock.kind.empty() ? std::nullopt : std::optional(clock.kind);
   status_.clock_offset_us = in_us(clock.offset);

@@ -20,14 +20,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto kLookAfter = 200ms;  // a take has ended, cameras have come back: live again at the latest after this
-// A JPEG's size is not known before: a byte a pixel is more than cameras send.
-double image_bytes_of(const CameraStatus& camera) {
-  const auto width = static_cast<int>(camera.width), height = static_cast<int>(camera.height);
-  const auto format = capture::pixel_format_from(camera.pixel_format).value_or(capture::PixelFormat::mono8);
-  const bool jpeg = format == capture::PixelFormat::mjpeg;
-  return static_cast<double>(capture::image_bytes(width, height, jpeg ? capture::PixelFormat::mono8 : format));
-}
-
+// From a session's start to every camera's first frame, besides the triggers' lead.
 constexpr double kFirstFrames_s = 1.0;
 constexpr auto kBlinkTime = 2000ms;
 constexpr auto kPortraitTime = 6s;  // going live, the first triggers, a look at every picture
@@ -36,8 +29,14 @@ double seconds_since(std::chrono::steady_clock::time_point moment) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - moment).count();
 }
 
-double in_microseconds(std::chrono::nanoseconds time) {
-  return static_cast<double>(time.count()) * 1e-3;
+using Microseconds = std::chrono::duration<double, std::micro>;
+
+// A JPEG's size is not known before: a byte a pixel is more than cameras send.
+double image_bytes_of(const CameraStatus& camera) {
+  const auto width = static_cast<int>(camera.width), height = static_cast<int>(camera.height);
+  const auto format = capture::pixel_format_from(camera.pixel_format).value_or(capture::PixelFormat::mono8);
+  const bool jpeg = format == capture::PixelFormat::mjpeg;
+  return static_cast<double>(capture::image_bytes(width, height, jpeg ? capture::PixelFormat::mono8 : format));
 }
 
 double bytes_per_second(const RigStatus& status) {
@@ -131,8 +130,8 @@ void RigDaemon::add_session(RigStatus& status, const FrameSetStream& stream) con
   status.warnings = stream.warnings();
   const auto counts = stream.counts();
   const auto sync = stream.sync();
-  status.spread_median_us = in_microseconds(sync.spread_median);
-  status.spread_p99_us = in_microseconds(sync.spread_p99);
+  status.spread_median_us = Microseconds(sync.spread_median).count();
+  status.spread_p99_us = Microseconds(sync.spread_p99).count();
   for (auto& camera : status.cameras) {
     const auto place = std::find(stream.cameras().begin(), stream.cameras().end(), camera.name);
     if (place == stream.cameras().end()) continue;
@@ -140,7 +139,7 @@ void RigDaemon::add_session(RigStatus& status, const FrameSetStream& stream) con
     for (const auto& [why, holes] : counts.cameras[slot].missing_because)
       camera.missing.emplace(capture::to_string(why), holes);
     if (counts.cameras[slot].in_sets == 0) continue;
-    camera.offset_us = in_microseconds(sync.cameras[slot].offset);
+    camera.offset_us = Microseconds(sync.cameras[slot].offset).count();
     camera.drift_ppm = sync.cameras[slot].drift_ppm;
   }
 }

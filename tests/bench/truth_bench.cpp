@@ -16,6 +16,7 @@
 #include "capture/take/take_reader.h"
 #include "config/errors.h"
 #include "config/exit_code.h"
+#include "playback/display/headless.h"
 #include "playback/render/geometry_image_renderer.h"
 #include "recon/frame_reconstruction.h"
 #include "recon/hull/signed_silhouette.h"
