@@ -22,19 +22,19 @@ GenicamWriter::GenicamWriter() {
       "StandardNameSpace=\"GEV\" SchemaMajorVersion=\"1\" SchemaMinorVersion=\"1\" SchemaSubMinorVersion=\"0\" "
       "MajorVersion=\"1\" MinorVersion=\"1\" SubMinorVersion=\"0\" "
       "ProductGuid=\"0d627654-1c5c-4bb7-a5a1-3c0a0e4a7a10\" VersionGuid=\"d3f7a5a2-6a0c-4a7e-9f8c-0b8f9d7d5a63\" "
-      "xmlns=\"http://www.genicam.org/GenApi/Version_1_1\">\n";
+      "xmlns=\"http://www.genicam.org/GenApi/Version_1_1\"\n>";
 }
 
 void GenicamWriter::category(const Category& group) {
   text_ += fmt::format("<Category Name=\"{}\">", group.name);
   for (const auto feature : group.features) text_ += fmt::format("<pFeature>{}</pFeature>", feature);
-  text_ += "</Category>\n";
+  text_ += "</Category\n>";
 }
 
 void GenicamWriter::text(std::string_view name, std::uint32_t address, int bytes, std::string_view access) {
   text_ += fmt::format(
       "<StringReg Name=\"{}\"><Address>0x{:x}</Address><Length>{}</Length><AccessMode>{}</AccessMode>"
-      "<pPort>Device</pPort></StringReg>\n",
+      "<pPort>Device</pPort></StringReg\n>",
       name, address, bytes, access);
 }
 
@@ -50,7 +50,7 @@ void GenicamWriter::integer(const IntegerFeature& f) {
   }
   if (f.step != 1) text_ += fmt::format("<Inc>{}</Inc>", f.step);
   if (!f.unit.empty()) text_ += fmt::format("<Unit>{}</Unit>", f.unit);
-  text_ += "</Integer>\n";
+  text_ += "</Integer\n>";
 }
 
 void GenicamWriter::floating(const FloatFeature& f) {
@@ -59,20 +59,19 @@ void GenicamWriter::floating(const FloatFeature& f) {
       fmt::format("<Float Name=\"{0}\"><pValue>{0}Scaled</pValue><Min>{1}</Min><Max>{2}</Max>", f.name, f.min, f.max);
   if (!f.unit.empty()) text_ += fmt::format("<Unit>{}</Unit>", f.unit);
   text_ += fmt::format(
-      "</Float>\n<Converter Name=\"{0}Scaled\"><FormulaTo>FROM * {1}</FormulaTo><FormulaFrom>TO / {1}</FormulaFrom>"
-      "<pValue>{2}</pValue><Slope>Increasing</Slope></Converter>\n",
+      "</Float\n><Converter Name=\"{0}Scaled\"><FormulaTo>FROM * {1}</FormulaTo><FormulaFrom>TO / {1}</FormulaFrom>"
+      "<pValue>{2}</pValue><Slope>Increasing</Slope></Converter\n>",
       f.name, f.scale, value);
 }
 
 void GenicamWriter::boolean(std::string_view name, std::uint32_t address, std::string_view selector) {
   const auto value = register_of({.name = name, .address = address, .selector = selector});
-  text_ += fmt::format("<Boolean Name=\"{}\"><pValue>{}</pValue><OnValue>1</OnValue><OffValue>0</OffValue></Boolean>\n",
-                       name, value);
+  text_ += fmt::format("<Boolean Name=\"{}\"><pValue>{}</pValue></Boolean\n>", name, value);
 }
 
 void GenicamWriter::command(std::string_view name, std::uint32_t address, int value) {
   const auto where = register_of({.name = name, .address = address});
-  text_ += fmt::format("<Command Name=\"{}\"><pValue>{}</pValue><CommandValue>{}</CommandValue></Command>\n", name,
+  text_ += fmt::format("<Command Name=\"{}\"><pValue>{}</pValue><CommandValue>{}</CommandValue></Command\n>", name,
                        where, value);
 }
 
@@ -84,7 +83,7 @@ void GenicamWriter::enumeration(std::string_view name, std::uint32_t address, st
     text_ += fmt::format("<EnumEntry Name=\"{}\"><Value>{}</Value></EnumEntry>", entry.name, entry.value);
   text_ += fmt::format("<pValue>{}</pValue>", value);
   for (const auto feature : selected) text_ += fmt::format("<pSelected>{}</pSelected>", feature);
-  text_ += "</Enumeration>\n";
+  text_ += "</Enumeration\n>";
 }
 
 void GenicamWriter::selector(std::string_view name, std::uint32_t address, const std::vector<Entry>& entries,
@@ -96,7 +95,7 @@ void GenicamWriter::bits(std::string_view name, std::uint32_t address, int first
   text_ += fmt::format(
       "<MaskedIntReg Name=\"{}Reg\"><Address>0x{:x}</Address><Length>4</Length><AccessMode>RW</AccessMode>"
       "<pPort>Device</pPort><Cachable>NoCache</Cachable><LSB>{}</LSB><MSB>{}</MSB>"
-      "<Endianess>BigEndian</Endianess></MaskedIntReg>\n",
+      "<Endianess>BigEndian</Endianess></MaskedIntReg\n>",
       name, address, last, first);
 }
 
@@ -104,7 +103,7 @@ void GenicamWriter::masked_integer(std::string_view name, std::uint32_t address,
                                    std::int64_t max) {
   bits(name, address, first, last);
   text_ +=
-      fmt::format("<Integer Name=\"{0}\"><pValue>{0}Reg</pValue><Min>{1}</Min><Max>{2}</Max><Inc>4</Inc></Integer>\n",
+      fmt::format("<Integer Name=\"{0}\"><pValue>{0}Reg</pValue><Min>{1}</Min><Max>{2}</Max><Inc>4</Inc></Integer\n>",
                   name, min, max);
 }
 
@@ -118,12 +117,12 @@ std::string GenicamWriter::register_of(const Register& r, std::string_view suffi
   if (r.access != "RO") text_ += fmt::format("<AccessMode>{}</AccessMode>", r.access);
   text_ += "<pPort>Device</pPort><Cachable>NoCache</Cachable>";
   if (r.sign != "Unsigned") text_ += fmt::format("<Sign>{}</Sign>", r.sign);
-  text_ += "<Endianess>BigEndian</Endianess></IntReg>\n";
+  text_ += "<Endianess>BigEndian</Endianess></IntReg\n>";
   return known->second;
 }
 
 std::string GenicamWriter::finished() && {
-  text_ += "<Port Name=\"Device\"></Port>\n</RegisterDescription>\n";
+  text_ += "<Port Name=\"Device\"></Port\n></RegisterDescription\n>";
   return std::move(text_);
 }
 

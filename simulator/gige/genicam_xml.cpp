@@ -80,7 +80,7 @@ void describe_device(GenicamWriter& xml) {
 void rest_of_sensor(GenicamWriter& xml, std::string_view name, int sensor, std::string_view other) {
   xml.raw(
       fmt::format("<IntSwissKnife Name=\"{}\"><pVariable Name=\"OTHER\">{}Reg</pVariable><Formula>{} - OTHER</Formula>"
-                  "</IntSwissKnife>\n",
+                  "</IntSwissKnife\n>",
                   name, other, sensor));
 }
 
@@ -133,8 +133,8 @@ void describe_trigger(GenicamWriter& xml) {
   xml.enumeration("LineMode", reg::kLineMode, "RO", {{"Input", 0}});
   xml.integer({"LineStatusAll", reg::kLineStatus, "RO", 0, 1});
   xml.raw(
-      "<Boolean Name=\"LineStatus\"><pValue>LineStatusAll</pValue><OnValue>1</OnValue><OffValue>0</OffValue>"
-      "</Boolean>\n");
+      "<Boolean Name=\"LineStatus\"><pValue>LineStatusAll</pValue>"
+      "</Boolean\n>");
   xml.floating({"LineDebounceTime", reg::kLineDebounce, "RW", "us", 1000.0, 0.0, 10000.0});
   xml.integer({"ActionSelector", reg::kActionSelector, "RW", 0, 0});
   xml.integer({"ActionDeviceKey", reg::kActionDeviceKey, "RW", 0, kWord});
@@ -171,21 +171,21 @@ void describe_ptp(GenicamWriter& xml) {
 void chunk_register(GenicamWriter& xml, std::string_view name, Chunk chunk, int bytes) {
   xml.raw(
       fmt::format("<IntReg Name=\"{0}Reg\"><Address>0x0</Address><Length>{1}</Length><AccessMode>RO</AccessMode>"
-                  "<pPort>{0}Port</pPort><Cachable>NoCache</Cachable><Endianess>BigEndian</Endianess></IntReg>\n"
-                  "<Port Name=\"{0}Port\"><ChunkID>{2:x}</ChunkID></Port>\n",
+                  "<pPort>{0}Port</pPort><Cachable>NoCache</Cachable><Endianess>BigEndian</Endianess></IntReg\n>"
+                  "<Port Name=\"{0}Port\"><ChunkID>{2:x}</ChunkID></Port\n>",
                   name, bytes, chunk_id(chunk)));
 }
 
 void chunk_integer(GenicamWriter& xml, std::string_view name, Chunk chunk, int bytes) {
-  xml.raw(fmt::format("<Integer Name=\"{0}\"><pValue>{0}Reg</pValue></Integer>\n", name));
+  xml.raw(fmt::format("<Integer Name=\"{0}\"><pValue>{0}Reg</pValue></Integer\n>", name));
   chunk_register(xml, name, chunk, bytes);
 }
 
 void chunk_float(GenicamWriter& xml, std::string_view name, Chunk chunk, std::string_view unit, double scale) {
   xml.raw(
-      fmt::format("<Float Name=\"{0}\"><pValue>{0}Scaled</pValue><Unit>{1}</Unit></Float>\n"
+      fmt::format("<Float Name=\"{0}\"><pValue>{0}Scaled</pValue><Unit>{1}</Unit></Float\n>"
                   "<Converter Name=\"{0}Scaled\"><FormulaTo>FROM * {2}</FormulaTo><FormulaFrom>TO / {2}</FormulaFrom>"
-                  "<pValue>{0}Reg</pValue><Slope>Increasing</Slope></Converter>\n",
+                  "<pValue>{0}Reg</pValue><Slope>Increasing</Slope></Converter\n>",
                   name, unit, scale));
   chunk_register(xml, name, chunk, 4);
 }
@@ -214,8 +214,7 @@ void describe_user_sets(GenicamWriter& xml) {
 // One bit of a word of switches.
 void switch_bit(GenicamWriter& xml, std::string_view name, std::uint32_t address, int bit) {
   xml.bits(name, address, bit, bit);
-  xml.raw(fmt::format(
-      "<Boolean Name=\"{0}\"><pValue>{0}Reg</pValue><OnValue>1</OnValue><OffValue>0</OffValue></Boolean>\n", name));
+  xml.raw(fmt::format("<Boolean Name=\"{0}\"><pValue>{0}Reg</pValue></Boolean\n>", name));
 }
 
 void describe_transport(GenicamWriter& xml) {
@@ -225,7 +224,7 @@ void describe_transport(GenicamWriter& xml) {
   xml.bits("GevSCPSFireTestPacket", reg::kPacketSize, 0, 0);
   xml.raw(
       "<Command Name=\"GevSCPSFireTestPacket\"><pValue>GevSCPSFireTestPacketReg</pValue>"
-      "<CommandValue>1</CommandValue></Command>\n");
+      "<CommandValue>1</CommandValue></Command\n>");
   switch_bit(xml, "GevSCPSDoNotFragment", reg::kPacketSize, 1);
   xml.integer({"GevSCPD", reg::kPacketDelay, "RW", 0, kWord, 4, "Unsigned", 1, "ns"});
   xml.integer({"GevSCFTD", reg::kTransmissionDelay, "RW", 0, 1'000'000'000, 4, "Unsigned", 1, "ns"});
@@ -233,7 +232,7 @@ void describe_transport(GenicamWriter& xml) {
   xml.bits("GevGVSPExtendedIDMode", reg::kGvspConfiguration, 1, 1);
   xml.raw(
       "<Enumeration Name=\"GevGVSPExtendedIDMode\"><EnumEntry Name=\"Off\"><Value>0</Value></EnumEntry>"
-      "<EnumEntry Name=\"On\"><Value>1</Value></EnumEntry><pValue>GevGVSPExtendedIDModeReg</pValue></Enumeration>\n");
+      "<EnumEntry Name=\"On\"><Value>1</Value></EnumEntry><pValue>GevGVSPExtendedIDModeReg</pValue></Enumeration\n>");
   xml.integer({"GevHeartbeatTimeout", reg::kHeartbeatMs, "RW", 500, 60000, 4, "Unsigned", 1, "ms"});
   switch_bit(xml, "GevGVCPHeartbeatDisable", reg::kGvcpConfiguration, 31);
   switch_bit(xml, "GevGVCPPendingAck", reg::kGvcpConfiguration, 30);
@@ -243,7 +242,7 @@ void describe_transport(GenicamWriter& xml) {
   xml.integer({"GevPrimaryApplicationIPAddress", reg::kPrimaryAddress, "RO", 0, kWord});
   xml.raw(
       "<Integer "
-      "Name=\"TLParamsLocked\"><Visibility>Invisible</Visibility><Value>0</Value><Min>0</Min><Max>1</Max></Integer>\n");
+      "Name=\"TLParamsLocked\"><Visibility>Invisible</Visibility><Value>0</Value><Min>0</Min><Max>1</Max></Integer\n>");
 }
 
 }  // namespace
