@@ -13,6 +13,7 @@ namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3f;
+using Eigen::Vector4f;
 
 constexpr int kBandRows = 16;       // of the picture
 constexpr double kNear = 0.2;       // metres: what is nearer is not drawn
@@ -209,21 +210,23 @@ class Drawing {
     return corners;
   }
 
-  // What shading asks of a triangle, side by side in memory.
+  // What shading asks of a corner, four by four: diffuse light and the texel's column, gloss and its row.
+  struct ShadedCorner {
+    Vector4f light_column, gloss_row;
+  };
   struct BandTriangle {
     SampleTriangle corners;  // of this pass
-    std::array<cv::Vec2f, 3> texel;
-    std::array<SeenLight, 3> light;
+    std::array<ShadedCorner, 3> shaded;
     const cv::Mat* picture;
   };
 
   BandTriangle gathered(const DrawnTriangle& drawn) const {
     const auto& texture = figures_[drawn.figure].texture;
-    BandTriangle triangle{{}, {}, {}, &texture.picture};
+    BandTriangle triangle{{}, {}, &texture.picture};
     for (std::size_t i = 0; i < 3; ++i) {
-      const auto& corner = texture.corners[3 * drawn.triangle + i];
-      triangle.texel[i] = {corner.x(), corner.y()};
-      triangle.light[i] = seen_[drawn.figure].light[drawn.vertices[i]];
+      const auto& texel = texture.corners[3 * drawn.triangle + i];
+      const auto& [light, gloss] = seen_[drawn.figure].light[drawn.vertices[i]];
+      triangle.shaded[i] = {{light.x(), light.y(), light.z(), texel.x()}, {gloss.x(), gloss.y(), gloss.z(), texel.y()}};
     }
     return triangle;
   }
@@ -270,41 +273,37 @@ class Drawing {
           numbers[j] = 0;
         }
       const auto& triangle = triangles[number - 1];
-      const Vector3f light = colour_of(triangle, weights_at(triangle.corners, middle.x / share, middle.y / share));
-      sum += share * cv::Vec4f(light.x(), light.y(), light.z(), 1.0F);
+      const Vector4f light = colour_of(triangle, weights_at(triangle.corners, middle.x / share, middle.y / share));
+      Eigen::Map<Vector4f>(sum.val) += share * light;
     }
   }
 
-  static Vector3f colour_of(const BandTriangle& triangle, const Vector3f& weights) {
-    Vector3f diffuse = Vector3f::Zero(), gloss = Vector3f::Zero();
-    float column = 0.0F, row = 0.0F;
-    for (std::size_t i = 0; i < 3; ++i) {
-      const float weight = weights[static_cast<Eigen::Index>(i)];
-      diffuse += weight * triangle.light[i].light;
-      gloss += weight * triangle.light[i].gloss;
-      column += weight * triangle.texel[i][0];
-      row += weight * triangle.texel[i][1];
-    }
-    return (reflectance(*triangle.picture, {column, row}).cwiseProduct(diffuse) + gloss)
-        .cwiseMax(0.0F)
-        .cwiseMin(kBrightest);
+  static Vector4f colour_of(const BandTriangle& triangle, const Vector3f& weights) {
+    const auto& [a, b, c] = triangle.shaded;
+    const Vector4f diffuse = weights[0] * a.light_column + weights[1] * b.light_column + weights[2] * c.light_column;
+    const Vector4f gloss = weights[0] * a.gloss_row + weights[1] * b.gloss_row + weights[2] * c.gloss_row;
+    const Vector4f lit = reflectance(*triangle.picture, diffuse[3], gloss[3]).cwiseProduct(diffuse) + gloss;
+    Vector4f colour = lit.cwiseMax(0.0F).cwiseMin(kBrightest);
+    colour[3] = 1.0F;
+    return colour;
   }
 
   // Bilinear, of linear light; (0.5, 0.5) is the centre of the first texel.
-  static Vector3f reflectance(const cv::Mat& picture, const Eigen::Vector2f& texel) {
-    const float x = std::clamp(texel.x() - 0.5F, 0.0F, static_cast<float>(picture.cols - 1));
-    const float y = std::clamp(texel.y() - 0.5F, 0.0F, static_cast<float>(picture.rows - 1));
-    const int column = static_cast<int>(x), row = static_cast<int>(y);
-    const float u = x - static_cast<float>(column), v = y - static_cast<float>(row);
-    const auto* upper = picture.ptr<cv::Vec3b>(row) + column;
-    const auto* lower = picture.ptr<cv::Vec3b>(std::min(row + 1, picture.rows - 1)) + column;
-    const int next = column + 1 < picture.cols ? 1 : 0;
+  static Vector4f reflectance(const cv::Mat& picture, float column, float row) {
+    const float x = std::clamp(column - 0.5F, 0.0F, static_cast<float>(picture.cols - 1));
+    const float y = std::clamp(row - 0.5F, 0.0F, static_cast<float>(picture.rows - 1));
+    const int left = static_cast<int>(x), top = static_cast<int>(y);
+    const float u = x - static_cast<float>(left), v = y - static_cast<float>(top);
+    const auto* upper = picture.ptr<cv::Vec3b>(top) + left;
+    const auto* lower = picture.ptr<cv::Vec3b>(std::min(top + 1, picture.rows - 1)) + left;
+    const int next = left + 1 < picture.cols ? 1 : 0;
     const auto& linear = linear_of_srgb();
-    Vector3f colour;
-    for (int c = 0; c < 3; ++c)
-      colour[c] = (1.0F - v) * ((1.0F - u) * linear[upper[0][c]] + u * linear[upper[next][c]]) +
-                  v * ((1.0F - u) * linear[lower[0][c]] + u * linear[lower[next][c]]);
-    return colour;
+    const auto texel = [&linear](const cv::Vec3b& c) {
+      return Vector4f(linear[c[0]], linear[c[1]], linear[c[2]], 0.0F);
+    };
+    const Vector4f above = texel(upper[0]) + u * (texel(upper[next]) - texel(upper[0]));
+    const Vector4f below = texel(lower[0]) + u * (texel(lower[next]) - texel(lower[0]));
+    return above + v * (below - above);
   }
 
   static const std::array<float, 256>& linear_of_srgb() {
