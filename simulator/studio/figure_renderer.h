@@ -9,15 +9,9 @@
 
 #include "capture/camera_model.h"
 #include "simulator/people/performance.h"
-#include "simulator/studio/material.h"
+#include "simulator/studio/seen_figure.h"
 
 namespace rotunda::simulator {
-
-// Figures while a shutter is open. In between vertices go straight: over 5 ms a foot in full swing is 0.3 mm off.
-struct LitFigures {
-  std::vector<recon::TriangleMesh> opening, closing;  // surfaces when the shutter opens and closes, one a figure
-  std::vector<std::vector<ArrivingLight>> light;      // on each vertex
-};
 
 // A part of the picture: linear light, already multiplied by alpha; alpha is the share of the pixel covered.
 struct FigureLayer {
