@@ -129,6 +129,7 @@ void read_camera_settings(CheckedMap& map, CameraConfig& camera, Problems& probl
   map.read<int>("width", camera.width, "a width of 16 to 16384 pixels", between(16, 16384));
   map.read<int>("height", camera.height, "a height of 16 to 16384 pixels", between(16, 16384));
   map.read<std::string>("pixel_format", camera.pixel_format, one_of(kFormats), in(kFormats));
+  map.read<double>("resend_budget_percent", camera.resend_budget_percent, "0 to 100 percent", between(0.0, 100.0));
   map.read<int>("packet_size", camera.packet_size, "0 (automatic) or 576 to 65535 bytes",
                 [](int bytes) { return bytes == 0 || (bytes >= 576 && bytes <= 65535); });
   double number = 0.0;

@@ -33,6 +33,7 @@ struct CameraConfig {
   std::optional<WhiteBalanceConfig> white_balance;
   std::string user_set;                                       // of the camera, loaded first; empty: none
   std::vector<std::pair<std::string, std::string>> features;  // GenICam name and value, in the file's order
+  double resend_budget_percent = 25.0;                        // of its packets a camera may be asked for again
   int packet_size = 0;  // bytes with IP and UDP headers; 0: what the link's MTU takes, 8900 at most
 };
 

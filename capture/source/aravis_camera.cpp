@@ -24,8 +24,8 @@ constexpr int default_mtu = 1500;
     throw DeviceError(settings.camera, fmt::format("{} is controlled by another program ({}: {}); close that first",
                                                    settings.device, doing, error.message()));
   if (error.is(ARV_DEVICE_ERROR_TIMEOUT) || error.is(ARV_DEVICE_ERROR_NOT_CONNECTED))
-    throw DeviceError(settings.camera, fmt::format("{} no longer answers ({}); check its cable and power",
-                                                   settings.device, doing));
+    throw CameraGone(settings.camera, fmt::format("{} no longer answers ({}); check its cable and power",
+                                                  settings.device, doing));
   throw DeviceError(settings.camera, fmt::format("{}: {}: {}", settings.device, doing, error.message()));
 }
 

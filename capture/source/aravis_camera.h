@@ -1,13 +1,19 @@
 #pragma once
 // Opening a GenICam camera and writing its settings, each read back: what the camera does not take is a DeviceError
-// that names the camera, its answer and what to do.
+// that names the camera, its answer and what to do; CameraGone if there is no answer.
 #include <functional>
 #include <string>
 
 #include "capture/source/aravis_handle.h"
 #include "capture/source/source.h"
+#include "config/errors.h"
 
 namespace rotunda::capture {
+
+// A camera that no longer answers.
+class CameraGone : public DeviceError {
+  using DeviceError::DeviceError;
+};
 
 // Calls `each` with the place of every camera that answers now, for arv_get_device_...(); takes a second.
 void with_device_list(const std::function<void(unsigned)>& each);

@@ -7,12 +7,15 @@
 #include <algorithm>
 #include <atomic>
 #include <mutex>
+#include <system_error>
+#include <thread>
 #include <utility>
 
 #include "capture/source/aravis_camera.h"
 #include "capture/source/aravis_features.h"
 #include "capture/source/buffer_pool.h"
 #include "capture/source/exposure_counter.h"
+#include "capture/source/resend_budget.h"
 #include "capture/source/stream_socket.h"
 #include "capture/source/user_name.h"
 
@@ -52,6 +55,9 @@ class AravisSource final : public Source {
 
   void require(SourceState needed, const char* verb) const;  // throws unless so
   void become(SourceState next);
+  void mind_loss(const std::function<void()>& call);
+  void let_go_of_camera() noexcept;
+  void keep_resend_budget(SourceHealth& health);
   void set_sinks(FrameSink frames, IncompleteSink incomplete);
   void tune(ArvStream* stream) const;
   void cure_socket_buffer(ArvStream* stream);
@@ -88,6 +94,8 @@ class AravisSource final : public Source {
   ArvPixelFormat pixel_format_ = 0;  // that frames must have, since arm()
   std::optional<AravisFeatures> features_;
   std::optional<ClockWatch> clock_;
+  std::optional<ResendBudget> resends_;
+  int resend_mode_ = 0;  // ArvGvStreamPacketResend, as Aravis chose it for this camera
   GRef<ArvStream> stream_;
   std::shared_ptr<BufferPool> pool_;
 };
@@ -107,6 +115,16 @@ void AravisSource::become(SourceState next) {
     if (now == SourceState::lost) require(next, "");
     checked_transition(now, next, settings_.camera);
   } while (!state_.compare_exchange_strong(now, next));
+}
+
+// A camera that does not answer is lost at once, not when Aravis gives up its heartbeat.
+void AravisSource::mind_loss(const std::function<void()>& call) {
+  try {
+    call();
+  } catch (const CameraGone&) {
+    state_ = SourceState::lost;
+    throw;
+  }
 }
 
 void AravisSource::open() {
@@ -146,7 +164,11 @@ void AravisSource::make_stream() {
   const std::size_t payload = payload_bytes(camera_.get(), settings_);
   GRef<ArvStream> stream = create_stream(camera_.get(), settings_, on_stream, this);
   tune(stream.get());
-  if (ARV_IS_GV_STREAM(stream.get())) cure_socket_buffer(stream.get());
+  if (ARV_IS_GV_STREAM(stream.get())) {
+    cure_socket_buffer(stream.get());
+    g_object_get(stream.get(), "packet-resend", &resend_mode_, nullptr);
+    resends_.emplace(settings_.resend_budget);
+  }
   pool_ = std::make_shared<BufferPool>(stream.get(), payload, settings_.buffers, settings_.buffers_at_most);
   {
     const std::lock_guard lock(mutex_);
@@ -198,6 +220,7 @@ std::optional<std::string> AravisSource::heal() {
 
 SourceHealth AravisSource::ask_health() {
   SourceHealth health{.clock = clock_->look(), .temperature_c = std::nullopt};
+  keep_resend_budget(health);
   if (features_->has("DeviceTemperature")) health.temperature_c = read_number(*features_, "DeviceTemperature");
   const std::lock_guard lock(sink_mutex_);
   if (health.clock.kind == "none") {
@@ -209,6 +232,24 @@ SourceHealth AravisSource::ask_health() {
   return health;
 }
 
+// Paused from one look to the next while a camera needs more than its share.
+void AravisSource::keep_resend_budget(SourceHealth& health) {
+  if (!resends_) return;
+  constexpr double kWorthTelling = 0.005;
+  const auto now = stats();
+  const bool on = resends_->look((now.frames + now.incomplete) * frame_packets_, now.resend_requests);
+  g_object_set(stream_.get(), "packet-resend", on ? resend_mode_ : ARV_GV_STREAM_PACKET_RESEND_NEVER, nullptr);
+  health.asked_again = resends_->share();
+  if (health.asked_again < kWorthTelling) return;
+  health.problem =
+      fmt::format("{:.1f} % of its packets were lost on the way and asked for again", 100 * resends_->share());
+  if (!on)
+    health.problem +=
+        fmt::format(", more than its budget of {:g} % (resend_budget_percent): that is paused, and frames are lost",
+                    100 * settings_.resend_budget);
+  health.problem += "; see to cable, switch, MTU and what else its link carries";
+}
+
 // A camera may refuse to tell something and work all the same; one that does not answer at all is lost.
 SourceHealth AravisSource::look() {
   if (state_ != SourceState::streaming) require(SourceState::armed, "looked at");
@@ -217,7 +258,7 @@ SourceHealth AravisSource::look() {
   } catch (const DeviceError& error) {
     if (features_->is_gone()) {
       state_ = SourceState::lost;
-      throw DeviceError(settings_.camera, settings_.device + " no longer answers; check its cable and power");
+      throw CameraGone(settings_.camera, settings_.device + " no longer answers; check its cable and power");
     }
     SourceHealth health;
     health.clock.problem = error.what();
@@ -227,7 +268,7 @@ SourceHealth AravisSource::look() {
 
 void AravisSource::pace(const StreamPacing& pacing) {
   require(SourceState::armed, "paced");
-  configure_pacing(camera_.get(), settings_, pacing);
+  mind_loss([&] { configure_pacing(camera_.get(), settings_, pacing); });
 }
 
 // Resend of lost packets is on where the camera can. A frame still short of packets must be given up before the next
@@ -265,20 +306,20 @@ void AravisSource::start(FrameSink frames, IncompleteSink incomplete) {
   require(SourceState::armed, "started");
   counter_ = {};
   set_sinks(std::move(frames), std::move(incomplete));  // before the camera starts: the first frame counts
-  start_acquisition(camera_.get(), settings_);
+  mind_loss([&] { start_acquisition(camera_.get(), settings_); });
   become(SourceState::streaming);
 }
 
 void AravisSource::stop() {
   require(SourceState::streaming, "stopped");
   set_sinks({}, {});
-  stop_acquisition(camera_.get(), settings_);
+  mind_loss([&] { stop_acquisition(camera_.get(), settings_); });
   become(SourceState::armed);
 }
 
 void AravisSource::software_trigger() {
   require(SourceState::streaming, "triggered");
-  fire_software_trigger(camera_.get(), settings_);
+  mind_loss([&] { fire_software_trigger(camera_.get(), settings_); });
 }
 
 bool AravisSource::show_light(bool on) {
@@ -289,11 +330,24 @@ void AravisSource::close() noexcept {
   set_sinks({}, {});
   if (camera_ && state_ == SourceState::streaming) arv_camera_stop_acquisition(camera_.get(), nullptr);
   drop_stream();
+  resends_.reset();
   clock_.reset();
   features_.reset();
-  if (camera_) g_signal_handlers_disconnect_by_data(arv_camera_get_device(camera_.get()), this);
-  camera_.reset();
+  if (camera_) let_go_of_camera();
   state_ = SourceState::closed;
+}
+
+// Aravis says goodbye to a camera, and waits seconds for the answer of one that has gone: nobody else shall.
+void AravisSource::let_go_of_camera() noexcept {
+  g_signal_handlers_disconnect_by_data(arv_camera_get_device(camera_.get()), this);
+  if (state_ == SourceState::lost) try {
+      std::thread([gone = std::move(camera_)]() mutable {
+        pthread_setname_np(pthread_self(), "farewell");
+        gone.reset();
+      }).detach();
+    } catch (const std::system_error&) {  // no thread to be had: wait here
+    }
+  camera_.reset();
 }
 
 void AravisSource::on_stream(void* self, ArvStreamCallbackType type, ArvBuffer*) noexcept {

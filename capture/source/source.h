@@ -63,7 +63,8 @@ struct SourceSettings {
   std::uint32_t device_key = 0;  // for TriggerMode::action
   std::uint32_t group_key = 0;
   std::uint32_t group_mask = 0;
-  int buffers = 16;          // ready for the camera at any time
+  double resend_budget = 0.25;  // share of its packets a camera may be asked for again
+  int buffers = 16;             // ready for the camera at any time
   int buffers_at_most = 64;  // with those that readers hold on to; beyond it frames are lost and counted as underruns
 };
 
@@ -99,6 +100,8 @@ struct SourceDescription {
 struct SourceHealth {
   ClockState clock;
   std::optional<double> temperature_c;  // of the device
+  double asked_again = 0.0;             // share of the packets since the last look
+  std::string problem;                  // of the link: what is wrong and what to do
 };
 
 // A frame that came, but not whole.

@@ -17,6 +17,7 @@ FrameSetAssembler::FrameSetAssembler(AssemblerOptions options) : options_(std::m
     throw InvalidInput("frame sets need a trigger period and a deadline longer than nothing");
   tolerance_ = options_.tolerance.value_or(options_.grid.period / 2);
   absent_.assign(cameras.size(), false);
+  silent_.assign(cameras.size(), false);
   counts_.cameras.resize(cameras.size());
   ledgers_.resize(cameras.size());
 }
@@ -142,7 +143,7 @@ HoleReason FrameSetAssembler::why_nothing_came(std::size_t camera) const {
       return ledgers_[camera].reason(ExposureLedger::Place{trigger, *slot.frame->id}, announced);
     if (slot.lost) ++announced;
   }
-  return HoleReason::late;
+  return silent_[camera] ? HoleReason::camera_lost : HoleReason::late;
 }
 
 }  // namespace rotunda::capture

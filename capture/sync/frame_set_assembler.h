@@ -54,6 +54,8 @@ class FrameSetAssembler {
                                  HoleReason because = HoleReason::packets_lost);
   // No frame is waited for from an absent camera (frames that come all the same are taken).
   std::vector<FrameSet> set_absent(const CameraId& camera, bool absent, Timestamp now);
+  // Nothing comes of it though it should: its holes that nothing else explains are of a lost camera.
+  void set_silent(const CameraId& camera, bool silent) { silent_[slot_of(camera)] = silent; }
   std::vector<FrameSet> advance(Timestamp now);
   // The grid is known better now: every trigger keeps its number. The new one must lie within half a period of the old
   // for the triggers that are still open.
@@ -85,7 +87,7 @@ class FrameSetAssembler {
 
   AssemblerOptions options_;
   std::chrono::nanoseconds tolerance_{};
-  std::vector<bool> absent_;
+  std::vector<bool> absent_, silent_;
   std::vector<ExposureLedger> ledgers_;
   std::map<std::uint64_t, Pending> pending_;
   std::uint64_t next_ = 0;  // trigger of the next set to leave

@@ -53,6 +53,7 @@ capture::SourceSettings source_settings(const config::CameraConfig& camera, cons
   settings.clock.ptp_offset_limit = std::chrono::nanoseconds(std::llround(rig.trigger.ptp_offset_limit_us * 1e3));
   settings.clock_patience = std::chrono::milliseconds(std::llround(rig.trigger.ptp_wait_s * 1e3));
   settings.packet_size = camera.packet_size;
+  settings.resend_budget = camera.resend_budget_percent / 100.0;
   settings.trigger = trigger_mode_from(rig.trigger.mode);
   settings.device_key = rig.trigger.device_key;
   settings.group_key = rig.trigger.group_key;
@@ -72,6 +73,16 @@ CameraFleet::CameraFleet(const config::RigConfig& rig) : rig_mode_(trigger_mode_
   };
   for (const auto& camera : rig.cameras)
     workers_.push_back(std::make_unique<CameraWorker>(source_settings(camera, rig), deliver, deliver_incomplete));
+}
+
+CameraFleet::~CameraFleet() {
+  for (const auto& worker : workers_) worker->request_stop();
+}
+
+CameraWorker& CameraFleet::worker(const capture::CameraId& camera) const {
+  for (const auto& worker : workers_)
+    if (worker->settings().camera == camera) return *worker;
+  throw InvalidInput("the rig has no camera " + camera);
 }
 
 bool CameraFleet::wait_until_tried(std::stop_token stop) const {

@@ -20,12 +20,14 @@ class FrameReceiver {
 class CameraFleet {
  public:
   explicit CameraFleet(const config::RigConfig& rig);
+  ~CameraFleet();  // closes all cameras at the same time: one that is gone takes seconds
 
   // Waits until every camera has been tried once; then some may still be missing. False if told to stop meanwhile.
   bool wait_until_tried(std::stop_token stop) const;
 
   const std::vector<std::unique_ptr<CameraWorker>>& workers() const { return workers_; }
   std::size_t streaming() const;
+  CameraWorker& worker(const capture::CameraId& camera) const;  // InvalidInput if the rig has none of that name
   // Software if any camera that streams is armed so; else the rig's.
   capture::TriggerMode trigger_mode() const;
   // Of the cameras that stream.

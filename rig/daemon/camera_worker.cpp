@@ -15,7 +15,8 @@ constexpr auto kRetryAfter = 2s;  // between attempts to open a camera that does
 constexpr auto kRateOver = 1s;
 constexpr auto kHealthEvery = 1s;  // the camera is asked for its clock and temperature
 constexpr auto kClockPulse = 200ms;
-constexpr auto kLookAfter = 100ms;  // a lost camera is noticed at the latest after this
+constexpr auto kAnswersWithin = 1750ms;  // three of GVCP's tries: a camera that is merely busy answers one of them
+constexpr auto kLookAfter = 100ms;       // a lost camera is noticed at the latest after this
 
 }  // namespace
 
@@ -47,7 +48,38 @@ std::chrono::steady_clock::time_point CameraWorker::last_frame() const {
 
 bool CameraWorker::streaming() const {
   const std::lock_guard lock(mutex_);
-  return status_.state == "streaming";
+  return streams_;
+}
+
+void CameraWorker::tell_silence(bool silent) {
+  const std::lock_guard lock(mutex_);
+  if (silent_ == silent) return;
+  silent_ = silent;
+  if (!streams_) return;
+  probe_wanted_ = silent;
+  status_.state = silent ? "lost" : "streaming";
+  tell_health();
+  wake_.notify_one();
+}
+
+bool CameraWorker::gone() const {
+  const std::lock_guard lock(mutex_);
+  return !streams_ || (asked_at_ && std::chrono::steady_clock::now() - *asked_at_ >= kAnswersWithin);
+}
+
+// What is asked may take seconds of a camera that is not there: gone() sees it.
+void CameraWorker::ask(const std::function<void()>& question) {
+  struct Asking {
+    explicit Asking(CameraWorker& asked_by) : worker(asked_by) { set(std::chrono::steady_clock::now()); }
+    ~Asking() { set(std::nullopt); }
+    void set(std::optional<std::chrono::steady_clock::time_point> moment) {
+      const std::lock_guard lock(worker.mutex_);
+      worker.asked_at_ = moment;
+    }
+    CameraWorker& worker;
+  };
+  const Asking asking(*this);
+  question();
 }
 
 bool CameraWorker::tried() const {
@@ -67,7 +99,7 @@ capture::ClockState CameraWorker::clock() const {
 
 std::optional<capture::LinkLoad> CameraWorker::load() const {
   const std::lock_guard lock(mutex_);
-  if (status_.state != "streaming") return std::nullopt;
+  if (!streams_) return std::nullopt;
   return capture::LinkLoad{settings_.camera, description_.link,
                            capture::image_bytes(description_.width, description_.height, description_.format),
                            static_cast<int>(status_.packet_size)};
@@ -100,6 +132,7 @@ void CameraWorker::set_trigger_mode(capture::TriggerMode mode) {
   if (wanted_mode_ == mode) return;
   wanted_mode_ = mode;
   status_.state = "closed";  // until it streams in the new mode
+  streams_ = false;
   wake_.notify_one();
 }
 
@@ -171,7 +204,8 @@ void CameraWorker::pace() {
 }
 
 void CameraWorker::look() {
-  auto health = source_->look();
+  capture::SourceHealth health;
+  ask([&] { health = source_->look(); });
   next_look_ = std::chrono::steady_clock::now() + kHealthEvery;
   const std::lock_guard lock(mutex_);
   if (!health.clock.problem.empty() && health.clock.problem != health_.clock.problem)
@@ -205,13 +239,15 @@ void CameraWorker::serve(std::stop_token stop) {
     {
       std::unique_lock lock(mutex_);
       wake_.wait_for(lock, stop, kLookAfter, [this] {
-        return software_triggers_ > 0 || wanted_mode_ != settings_.trigger || wanted_pacing_ != pacing_;
+        return software_triggers_ > 0 || probe_wanted_ || wanted_mode_ != settings_.trigger ||
+               wanted_pacing_ != pacing_;
       });
       if (stop.stop_requested() || wanted_mode_ != settings_.trigger) return;
       triggers = std::exchange(software_triggers_, 0);
+      if (std::exchange(probe_wanted_, false)) next_look_ = {};
     }
     pace();
-    for (; triggers > 0; --triggers) source_->software_trigger();
+    for (; triggers > 0; --triggers) ask([&] { source_->software_trigger(); });
     heal();
     if (std::chrono::steady_clock::now() >= next_look_) look();  // behind the triggers: it takes some milliseconds
     refresh_status();
@@ -224,7 +260,8 @@ void CameraWorker::serve(std::stop_token stop) {
 
 // Told until the camera is opened anew.
 void CameraWorker::heal() {
-  const auto ailment = source_->heal();
+  std::optional<std::string> ailment;
+  ask([&] { ailment = source_->heal(); });
   if (!ailment) return;
   spdlog::warn("{}", *ailment);
   const std::lock_guard lock(mutex_);
@@ -262,7 +299,8 @@ void CameraWorker::refresh_status() {
   const auto state = source_->state();
   const std::lock_guard lock(mutex_);
   tried_ = true;
-  status_.state = capture::to_string(state);
+  streams_ = state == capture::SourceState::streaming;
+  status_.state = streams_ && silent_ ? "lost" : std::string(capture::to_string(state));
   if (stats.frames != status_.frames) last_frame_ = std::chrono::steady_clock::now();
   status_.frames = stats.frames;
   status_.rate_hz = measured_rate(stats.frames);
@@ -290,7 +328,10 @@ void CameraWorker::tell_health() {
   status_.clock_error_us = in_us(clock.error);
   status_.temperature_c = health_.temperature_c;
   auto problems = description_.warnings;
+  if (silent_)
+    problems.insert(problems.begin(), "sends no pictures though it is triggered; see to its cable and power");
   if (!ailment_.empty()) problems.push_back(ailment_);
+  if (!health_.problem.empty()) problems.push_back(health_.problem);
   if (!clock.problem.empty()) problems.push_back(clock.problem);
   status_.problem = fmt::format("{}", fmt::join(problems, "; "));
 }
@@ -313,9 +354,11 @@ void CameraWorker::take_down(const std::string& problem) {
     if (!problem.empty() && problem != status_.problem) spdlog::warn("{}", problem);
     status_.problem = problem;
     status_.state = problem.empty() ? "closed" : "lost";
+    streams_ = false;
+    probe_wanted_ = false;
+    ailment_.clear();
     status_.rate_hz = 0.0;
     health_ = {};
-    ailment_.clear();
     status_.clock.reset();
     status_.clock_offset_us.reset();
     status_.clock_error_us.reset();
@@ -323,11 +366,11 @@ void CameraWorker::take_down(const std::string& problem) {
     frame_counts_.clear();
   }
   try {
-    source_->stop();
-    source_->close();
+    if (source_->state() == capture::SourceState::streaming) source_->stop();
   } catch (const std::exception& error) {
-    spdlog::debug("{}: while closing: {}", settings_.camera, error.what());
+    spdlog::debug("{}: while stopping: {}", settings_.camera, error.what());
   }
+  source_->close();
 }
 
 }  // namespace rotunda::rig

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <deque>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -35,6 +36,13 @@ class CameraWorker {
   // How its packets follow each other from now on; returns at once, and paced() once it streams so.
   void set_pacing(const capture::StreamPacing& pacing);
   bool paced() const;
+  // No frames come of it though it is triggered, or they do again: its status says so at once, and the worker asks the
+  // camera whether it is there.
+  void tell_silence(bool silent);
+  // It does not stream, or has left a question unanswered for longer than a busy camera would.
+  bool gone() const;
+  // Asks the thread to stop; returns at once.
+  void request_stop() { thread_.request_stop(); }
   // Asks the worker to fire the camera; returns at once. Only in trigger mode `software`.
   void request_software_trigger();
   // Blinks its indicator light for so long; returns at once.
@@ -57,6 +65,7 @@ class CameraWorker {
   void refresh_status();
   void tell_health();  // with the mutex held
   void switch_light();
+  void ask(const std::function<void()>& question);
   void take_down(const std::string& problem);
   double measured_rate(std::uint64_t frames);
 
@@ -74,6 +83,10 @@ class CameraWorker {
   std::deque<std::pair<std::chrono::steady_clock::time_point, std::uint64_t>> frame_counts_;  // of the last second
   std::uint64_t software_triggers_ = 0;                                                       // asked for, not yet sent
   std::chrono::steady_clock::time_point next_look_;  // touched by the worker's thread only
+  bool streams_ = false;                             // as the source says
+  bool silent_ = false;
+  bool probe_wanted_ = false;                                      // silence began
+  std::optional<std::chrono::steady_clock::time_point> asked_at_;  // a question the camera has not answered yet
   capture::StreamPacing wanted_pacing_, pacing_;
   std::chrono::steady_clock::time_point last_frame_;
   capture::TriggerMode wanted_mode_, armed_mode_;

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "config/errors.h"
 
@@ -23,13 +24,14 @@ capture::TriggerMode ready_to_trigger(CameraFleet& fleet, double rate_hz) {
   throw DeviceError("rig", text);
 }
 
-capture::AssemblerOptions assembler_options(const FrameSetStreamOptions& stream, const capture::TriggerGrid& grid,
-                                            std::optional<std::uint64_t> triggers) {
+capture::AssemblerOptions assembler_options(const std::vector<capture::CameraId>& cameras,
+                                            const capture::TriggerGrid& grid, std::optional<std::uint64_t> triggers,
+                                            std::chrono::nanoseconds deadline) {
   capture::AssemblerOptions options;
-  options.cameras = stream.cameras;
+  options.cameras = cameras;
   options.grid = grid;
   options.triggers = triggers;
-  options.deadline = std::max<std::chrono::nanoseconds>(stream.deadline, 2 * grid.period);
+  options.deadline = deadline;
   return options;
 }
 
@@ -38,21 +40,25 @@ capture::AssemblerOptions assembler_options(const FrameSetStreamOptions& stream,
 FrameSetStream::FrameSetStream(FrameSetStreamOptions options, CameraFleet& fleet)
     : fleet_(fleet),
       cameras_(options.cameras),
+      deadline_(std::max<std::chrono::nanoseconds>(options.deadline, 2 * capture::period_of(options.trigger.rate_hz))),
       trigger_(
           make_take_trigger(options.trigger, ready_to_trigger(fleet, options.trigger.rate_hz), options.wanted, fleet)),
       grid_(trigger_->plan()),
-      assembler_(assembler_options(options, grid_, trigger_->wanted())),
-      sync_(cameras_.size()) {}
+      assembler_(assembler_options(cameras_, grid_, trigger_->wanted(), deadline_)),
+      sync_(cameras_.size()),
+      silence_(cameras_.size(), grid_.period) {}
 
 FrameSetStream::~FrameSetStream() {
   fleet_.release(this);
   trigger_.reset();  // its thread may still tell of the grid
+  for (const auto& camera : cameras_) fleet_.worker(camera).tell_silence(false);
 }
 
 void FrameSetStream::start(Sink sink) {
   sink_ = std::move(sink);
   const auto plan = trigger_->plan();  // anew: making a take's files may have taken longer than the first one's lead
   move_grid(plan);
+  silence_.begin(plan.start);
   fleet_.set_receiver(this);
   trigger_->start([this](const capture::TriggerGrid& grid) { move_grid(grid); });
 }
@@ -74,14 +80,53 @@ bool FrameSetStream::is_slot(const capture::CameraId& camera) const {
 void FrameSetStream::take_frame(capture::Frame&& frame) {
   if (!is_slot(frame.camera)) return;
   const std::lock_guard lock(mutex_);
-  pass_on(assembler_.add(std::move(frame), capture::RigClock::now()));
+  const auto now = capture::RigClock::now();
+  hear(frame.camera, now);
+  pass_on(assembler_.add(std::move(frame), now));
 }
 
 void FrameSetStream::take_incomplete(const capture::IncompleteFrame& incomplete) {
   if (!is_slot(incomplete.camera)) return;
   const std::lock_guard lock(mutex_);
   const auto now = capture::RigClock::now();
+  hear(incomplete.camera, now);
   pass_on(assembler_.add_loss(incomplete.camera, incomplete.exposure_start, now, incomplete.because));
+}
+
+std::size_t FrameSetStream::slot_of(const capture::CameraId& camera) const {
+  return static_cast<std::size_t>(std::find(cameras_.begin(), cameras_.end(), camera) - cameras_.begin());
+}
+
+void FrameSetStream::hear(const capture::CameraId& camera, capture::Timestamp now) {
+  if (!silence_.heard(slot_of(camera), now)) return;
+  assembler_.set_silent(camera, false);
+  fleet_.worker(camera).tell_silence(false);
+  incidents_.push_back(camera + " is back");
+}
+
+void FrameSetStream::look_for_silence(capture::Timestamp now) {
+  for (const auto slot : silence_.look(now)) {
+    assembler_.set_silent(cameras_[slot], true);
+    fleet_.worker(cameras_[slot]).tell_silence(true);
+    incidents_.push_back(cameras_[slot] + " sends no pictures any more");
+  }
+}
+
+bool FrameSetStream::all_gone() const {
+  const std::lock_guard lock(mutex_);
+  for (std::size_t slot = 0; slot < cameras_.size(); ++slot)
+    if (!silence_.is_silent(slot) || !fleet_.worker(cameras_[slot]).gone()) return false;
+  return true;
+}
+
+void FrameSetStream::abandon() {
+  const std::lock_guard lock(mutex_);
+  abandoned_ = true;
+}
+
+std::vector<std::string> FrameSetStream::take_incidents() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(incidents_, {});
 }
 
 void FrameSetStream::pass_on(std::vector<capture::FrameSet> sets) {
@@ -105,14 +150,23 @@ bool FrameSetStream::advance() {
   return more;
 }
 
+// Sets of triggers that were never fired stay unborn.
+capture::Timestamp FrameSetStream::due_until(capture::Timestamp now, std::optional<std::uint64_t> triggers) const {
+  if (!triggers) return now;
+  if (*triggers == 0) return {};
+  const auto last = grid_.time_of(*triggers - 1) + deadline_;
+  return abandoned_ ? last : std::min(now, last);
+}
+
 bool FrameSetStream::let_go_what_is_due(std::optional<std::uint64_t> triggers) {
   const std::lock_guard lock(mutex_);
-  auto now = capture::RigClock::now();
+  const auto clock = capture::RigClock::now();
+  if (!triggers || clock < grid_.time_of(*triggers)) look_for_silence(clock);
+  const auto now = due_until(clock, triggers);
   for (const auto& worker : fleet_.workers())
     if (is_slot(worker->settings().camera))
       pass_on(assembler_.set_absent(worker->settings().camera, !worker->streaming(), now));
-  if (triggers) now = std::min(now, grid_.time_of(*triggers));  // sets of triggers that were never fired stay unborn
-  if (now != capture::Timestamp{}) pass_on(assembler_.advance(now));
+  pass_on(assembler_.advance(now));
   return !triggers || assembler_.next_trigger() < *triggers;
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "capture/sync/frame_set_assembler.h"
+#include "capture/sync/silence_watch.h"
 #include "capture/sync/sync_statistics.h"
 #include "config/rig_config.h"
 #include "rig/daemon/camera_fleet.h"
@@ -34,6 +35,12 @@ class FrameSetStream : public FrameReceiver {
 
   void start(Sink sink);  // the first trigger comes soon after; once
   void stop();            // no further triggers; sets of those before still come
+  // Sets of triggers that were fired leave with what they have: nothing more will come. After stop().
+  void abandon();
+  // None of the cameras sends frames or answers.
+  bool all_gone() const;
+  // What happened with cameras since the last call: "cam03 sends no pictures any more", "cam03 is back".
+  std::vector<std::string> take_incidents();
   // Lets go sets whose deadline has passed. True while there are more to come. Call it every few tens of milliseconds.
   bool advance();
 
@@ -52,17 +59,25 @@ class FrameSetStream : public FrameReceiver {
   bool is_slot(const capture::CameraId& camera) const;
   void move_grid(const capture::TriggerGrid& grid);
   bool let_go_what_is_due(std::optional<std::uint64_t> triggers_in_all);
+  capture::Timestamp due_until(capture::Timestamp now, std::optional<std::uint64_t> triggers) const;
+  void hear(const capture::CameraId& camera, capture::Timestamp now);
+  void look_for_silence(capture::Timestamp now);
+  std::size_t slot_of(const capture::CameraId& camera) const;
   void pass_on(std::vector<capture::FrameSet> sets);
   std::optional<std::uint64_t> triggers_in_all() const;
 
   CameraFleet& fleet_;
   std::vector<capture::CameraId> cameras_;
+  std::chrono::nanoseconds deadline_;
   std::unique_ptr<TakeTrigger> trigger_;
   Sink sink_;
   mutable std::mutex mutex_;  // of what follows
   capture::TriggerGrid grid_;
   capture::FrameSetAssembler assembler_;
   capture::SyncStatistics sync_;
+  capture::SilenceWatch silence_;
+  std::vector<std::string> incidents_;
+  bool abandoned_ = false;
 };
 
 }  // namespace rotunda::rig

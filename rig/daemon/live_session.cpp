@@ -1,6 +1,7 @@
 #include "rig/daemon/live_session.h"
 
 #include <pthread.h>
+#include <spdlog/spdlog.h>
 
 namespace rotunda::rig {
 namespace {
@@ -24,7 +25,10 @@ LiveSession::LiveSession(const config::RigConfig& rig, CameraFleet& fleet, Frame
   stream_.start(std::move(sink));
   thread_ = std::jthread([this](const std::stop_token& stop) {
     pthread_setname_np(pthread_self(), "live");
-    while (!stop.stop_requested() && stream_.advance()) std::this_thread::sleep_for(kPulse);
+    while (!stop.stop_requested() && stream_.advance()) {
+      for (const auto& incident : stream_.take_incidents()) spdlog::warn("live: {}", incident);
+      std::this_thread::sleep_for(kPulse);
+    }
   });
 }
 

@@ -169,6 +169,7 @@ void TakeSession::record() {
   while (stream_.advance() || queue_.size() > 0) {
     if (const auto set = queue_.wait_pop(kRecorderPulse)) write(*set);
     tell_clock_step();
+    tell_cameras();
     if (stop_requested_) stream_.stop();
   }
   close();
@@ -181,14 +182,31 @@ void TakeSession::tell_clock_step() {
   const auto text =
       fmt::format("this machine's clock was set {} by {:.3f} s; the take's times go on evenly",
                   step->count() > 0 ? "forward" : "back", std::abs(std::chrono::duration<double>(*step).count()));
-  spdlog::warn("take {}: {}", progress_.name, text);
+  tell(text);
+  const std::lock_guard lock(progress_mutex_);
+  progress_.warnings.push_back(text);
+}
+
+// When not one camera is left the take ends here: what was taken is closed while somebody is still looking.
+void TakeSession::tell_cameras() {
+  for (const auto& incident : stream_.take_incidents()) tell(incident);
+  if (stop_requested_ || !stream_.all_gone()) return;
+  tell("no camera is left");
+  give_up(
+      "no camera sends pictures or answers any more; the take is closed with what came before; see to the switch, its "
+      "power and this machine's network");
+  stream_.stop();
+  stream_.abandon();
+}
+
+void TakeSession::tell(const std::string& incident) {
+  spdlog::warn("take {}: {}", progress_.name, incident);
+  if (!writer_) return;
   try {
-    writer_->incident(text);
+    writer_->incident(incident);
   } catch (const std::exception& error) {
     give_up(error.what());
   }
-  const std::lock_guard lock(progress_mutex_);
-  progress_.warnings.push_back(text);
 }
 
 void TakeSession::annotate(const TakeAnnotation& annotation) {

@@ -50,6 +50,8 @@ class TakeSession {
   void give_up(const std::string& failure);
   void close();
   void tell_clock_step();
+  void tell_cameras();
+  void tell(const std::string& incident);
 
   PictureWatch& watch_;
   std::filesystem::path folder_;

@@ -137,6 +137,27 @@ TEST(FrameSetAssembler, LeavesFramesBetweenTriggersAloneWhenATighterToleranceIsS
   EXPECT_EQ(assembler.counts().cameras[0].off_grid, 1u);
 }
 
+TEST(FrameSetAssembler, HolesOfASilentCameraAreOfALostOneUnlessItsNextFrameTellsBetter) {
+  FrameSetAssembler assembler(options_for({"a", "b"}, 5));
+  const auto framed = [](std::uint64_t trigger, std::uint64_t id) {
+    auto frame = frame_of("b", trigger);
+    frame.id = id;
+    return frame;
+  };
+  assembler.add(frame_of("a", 0), grid.time_of(0));
+  EXPECT_EQ(assembler.add(framed(0, 10), grid.time_of(0)).size(), 1u);
+  assembler.set_silent("b", true);
+  assembler.add(frame_of("a", 1), grid.time_of(1));
+  const auto lost = assembler.advance(grid.time_of(1) + 100ms);
+  ASSERT_EQ(lost.size(), 1u) << "it is waited for until the deadline";
+  EXPECT_EQ(lost[0].slots[1].missing_because, HoleReason::camera_lost);
+  assembler.set_silent("b", false);
+  assembler.add(framed(4, 11), grid.time_of(4));
+  const auto rest = assembler.advance(grid.time_of(2) + 100ms);
+  ASSERT_EQ(rest.size(), 1u);
+  EXPECT_EQ(rest[0].slots[1].missing_because, HoleReason::trigger_missed) << "it counted no exposure meanwhile";
+}
+
 TEST(FrameSetAssembler, ACameraWhoseClockRunsAheadPilesNothingUp) {
   FrameSetAssembler assembler(options_for({"a"}, std::nullopt));
   for (std::uint64_t k = 0; k < 50; ++k) EXPECT_TRUE(assembler.add(frame_of("a", 1000 + k), grid.time_of(0)).empty());
