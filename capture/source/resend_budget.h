@@ -11,9 +11,9 @@ class ResendBudget {
   explicit ResendBudget(double share) : budget_(share) {}
 
   // Packets that were due and packets asked for again, both since the stream began. False: too many since the last
-  // look, ask for none until the next.
+  // verdict, ask for none until the next look. Fewer than a thousand are no measure: then the answer is true.
   bool look(std::uint64_t packets, std::uint64_t asked_again);
-  double share() const { return share_; }  // asked for again between the last two looks
+  double share() const { return share_; }  // asked for again at the last verdict
 
  private:
   double budget_;

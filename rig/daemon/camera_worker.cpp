@@ -328,8 +328,7 @@ void CameraWorker::tell_health() {
   status_.clock_error_us = in_us(clock.error);
   status_.temperature_c = health_.temperature_c;
   auto problems = description_.warnings;
-  if (silent_)
-    problems.insert(problems.begin(), "sends no pictures though it is triggered; see to its cable and power");
+  if (silent_) problems.insert(problems.begin(), "sends no pictures though it is triggered; check its cable and power");
   if (!ailment_.empty()) problems.push_back(ailment_);
   if (!health_.problem.empty()) problems.push_back(health_.problem);
   if (!clock.problem.empty()) problems.push_back(clock.problem);

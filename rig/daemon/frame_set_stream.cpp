@@ -51,7 +51,7 @@ FrameSetStream::FrameSetStream(FrameSetStreamOptions options, CameraFleet& fleet
 FrameSetStream::~FrameSetStream() {
   fleet_.release(this);
   trigger_.reset();  // its thread may still tell of the grid
-  for (const auto& camera : cameras_) fleet_.worker(camera).tell_silence(false);
+  end_silence();
 }
 
 void FrameSetStream::start(Sink sink) {
@@ -104,6 +104,11 @@ void FrameSetStream::hear(const capture::CameraId& camera, capture::Timestamp no
   incidents_.push_back(camera + " is back");
 }
 
+// Nothing is triggered any more: that nothing comes says nothing.
+void FrameSetStream::end_silence() {
+  for (const auto& camera : cameras_) fleet_.worker(camera).tell_silence(false);
+}
+
 void FrameSetStream::look_for_silence(capture::Timestamp now) {
   for (const auto slot : silence_.look(now)) {
     assembler_.set_silent(cameras_[slot], true);
@@ -146,7 +151,10 @@ std::optional<std::uint64_t> FrameSetStream::triggers_in_all() const {
 bool FrameSetStream::advance() {
   const auto triggers = triggers_in_all();
   const bool more = let_go_what_is_due(triggers);
-  if (!more) fleet_.release(this);
+  if (!more) {
+    fleet_.release(this);
+    end_silence();
+  }
   return more;
 }
 

@@ -61,6 +61,7 @@ class FrameSetStream : public FrameReceiver {
   bool let_go_what_is_due(std::optional<std::uint64_t> triggers_in_all);
   capture::Timestamp due_until(capture::Timestamp now, std::optional<std::uint64_t> triggers) const;
   void hear(const capture::CameraId& camera, capture::Timestamp now);
+  void end_silence();
   void look_for_silence(capture::Timestamp now);
   std::size_t slot_of(const capture::CameraId& camera) const;
   void pass_on(std::vector<capture::FrameSet> sets);

@@ -57,7 +57,8 @@ TEST(ResendBudget, StopsAskingWhileMoreThanItsShareIsAskedForAgain) {
   EXPECT_DOUBLE_EQ(budget.share(), 0.02);
   EXPECT_FALSE(budget.look(20'000, 3'200)) << "30 % since the last look";
   EXPECT_TRUE(budget.look(30'000, 3'200)) << "a pause is not for ever";
-  EXPECT_TRUE(budget.look(30'000, 3'200)) << "nothing came: nothing to judge by";
+  EXPECT_TRUE(budget.look(30'100, 3'290)) << "a hundred packets are nothing to judge by";
+  EXPECT_FALSE(budget.look(31'000, 3'500)) << "a thousand are";
   EXPECT_TRUE(budget.look(0, 0)) << "a stream that began anew";
 }
 
