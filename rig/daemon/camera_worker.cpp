@@ -208,7 +208,7 @@ void CameraWorker::look() {
   ask([&] { health = source_->look(); });
   next_look_ = std::chrono::steady_clock::now() + kHealthEvery;
   const std::lock_guard lock(mutex_);
-  if (!health.clock.problem.empty() && health.clock.problem != health_.clock.problem)
+  if (!health.clock.problem.empty() && health_.clock.problem.empty())
     spdlog::warn("{}: {}", settings_.camera, health.clock.problem);
   health_ = std::move(health);
 }
