@@ -96,8 +96,9 @@ TakeWriter::TakeWriter(const TakeWriterOptions& options)
   if (!(options.fps > 0.0)) throw InvalidInput("a take needs a rate above 0 frame sets a second");
   if (fs::exists(folder_)) throw InvalidInput(folder_.string() + " exists already: choose another name for the take");
   require_room(existing_ancestor(folder_), options.reserve_bytes);
+  begin_folder();
   try {
-    make_folder(options);
+    fill_folder(options);
   } catch (...) {
     files_.clear();
     journal_.reset();
@@ -110,16 +111,28 @@ TakeWriter::TakeWriter(const TakeWriterOptions& options)
 
 TakeWriter::~TakeWriter() = default;
 
-void TakeWriter::make_folder(const TakeWriterOptions& options) {
-  fs::create_directories(folder_);
-  lock_ = std::make_unique<TakeLock>(folder_);
+// Under a hidden name until it has its take.yaml: whoever kills this process finds a take, or nothing.
+void TakeWriter::begin_folder() {
+  const auto unborn = folder_.parent_path() / ("." + info_.name + ".new");
+  fs::create_directories(unborn);
+  lock_ = std::make_unique<TakeLock>(unborn);
+  try {
+    write_take_info(unborn, info_);
+    fs::rename(unborn, folder_);
+  } catch (...) {
+    std::error_code best_effort;
+    fs::remove_all(unborn, best_effort);
+    throw;
+  }
+}
+
+void TakeWriter::fill_folder(const TakeWriterOptions& options) {
   copy_if_given(options.rig_file, folder_ / "rig.yaml");
   copy_if_given(options.calibration_file, capture::calibration_file(folder_));
   copy_backgrounds(options);
   files_.reserve(info_.cameras.size());
   for (const auto& camera : info_.cameras) files_.emplace_back(camera_file(folder_, camera.name), camera, info_.fps);
   journal_.emplace(folder_);
-  write_take_info(folder_, info_);
 }
 
 // Before anything is written or counted: all of it can be.

@@ -65,7 +65,8 @@ class TakeWriter {
   const TakeInfo& info() const { return info_; }  // counts so far
 
  private:
-  void make_folder(const TakeWriterOptions& options);
+  void begin_folder();
+  void fill_folder(const TakeWriterOptions& options);
   void require_writable(const FrameSet& set) const;
   void count_holes(const FrameSet& set);
   std::uint64_t last_trigger() const;
@@ -76,7 +77,7 @@ class TakeWriter {
   TakeInfo info_;
   std::unique_ptr<TakeLock> lock_;
   std::vector<CameraFileWriter> files_;
-  std::optional<TakeJournalWriter> journal_;  // from make_folder() on
+  std::optional<TakeJournalWriter> journal_;  // from fill_folder() on
   SyncStatistics sync_statistics_;
   std::mutex sync_mutex_;
   std::condition_variable_any sync_wakes_;
