@@ -9,7 +9,10 @@
 
 #include "capture/source/aravis_features.h"
 #include "capture/source/camera_settings.h"
+#include "capture/source/genicam_description.h"
+#include "capture/source/gvcp_memory.h"
 #include "capture/source/stream_socket.h"
+#include "capture/source/user_name.h"
 
 namespace rotunda::capture {
 
@@ -24,8 +27,8 @@ constexpr int default_mtu = 1500;
     throw DeviceError(settings.camera, fmt::format("{} is controlled by another program ({}: {}); close that first",
                                                    settings.device, doing, error.message()));
   if (error.is(ARV_DEVICE_ERROR_TIMEOUT) || error.is(ARV_DEVICE_ERROR_NOT_CONNECTED))
-    throw CameraGone(settings.camera, fmt::format("{} no longer answers ({}); check its cable and power",
-                                                  settings.device, doing));
+    throw CameraGone(settings.camera,
+                     fmt::format("{} no longer answers ({}); check its cable and power", settings.device, doing));
   throw DeviceError(settings.camera, fmt::format("{}: {}: {}", settings.device, doing, error.message()));
 }
 
@@ -191,13 +194,75 @@ std::string address_of(GSocketAddress* socket_address) {
   return or_empty(text.get());
 }
 
-// Aravis knows a camera by address, MAC, user name and "vendor-serial", but not by its serial number alone.
-std::string id_of_serial(const std::string& serial) {
-  std::string id;
+// How Aravis knows a camera, and its address if it is a GigE Vision one.
+struct KnownCamera {
+  std::string id, address;
+};
+
+// Cameras go by address; by MAC, user name, serial number or Aravis' own id those are found that answer a search, which
+// takes a second.
+KnownCamera find_camera(const std::string& device) {
+  if (g_hostname_is_ip_address(device.c_str())) return {device, device};
+  KnownCamera known{device, ""};
   with_device_list([&](unsigned i) {
-    if (serial == or_empty(arv_get_device_serial_nbr(i))) id = or_empty(arv_get_device_id(i));
+    const std::string address =
+        or_empty(arv_get_device_protocol(i)) == "GigEVision" ? or_empty(arv_get_device_address(i)) : "";
+    for (const char* name : {arv_get_device_id(i), arv_get_device_serial_nbr(i), arv_get_device_physical_id(i)})
+      if (device == or_empty(name)) known = {or_empty(arv_get_device_id(i)), address};
+    if (!address.empty() && device == read_user_name(address)) known = {or_empty(arv_get_device_id(i)), address};
   });
-  return id;
+  return known;
+}
+
+[[noreturn]] void fail_unanswered(const SourceSettings& settings, const std::string& why) {
+  throw DeviceError(settings.camera, fmt::format("no camera answers at {} ({}); check its cable, power and address, or "
+                                                 "see which do with: rotunda cameras --discover",
+                                                 settings.device, why));
+}
+
+[[noreturn]] void fail_unopened(const SourceSettings& settings, const std::string& why) {
+  throw DeviceError(settings.camera,
+                    fmt::format("what answers at {} cannot be opened as a camera ({}): its description "
+                                "cannot be read, or it stopped answering; switch it off and on, and see "
+                                "that its firmware is whole",
+                                settings.device, why));
+}
+
+[[noreturn]] void refuse_description(const SourceSettings& settings, const std::string& problem) {
+  throw DeviceError(settings.camera, fmt::format("what answers at {} is refused: its description {}; see that it is a "
+                                                 "camera, and that its firmware is whole",
+                                                 settings.device, problem));
+}
+
+// A second place is only looked at if there is nothing at the first. Makers write web pages and files of their discs
+// there, which nobody here finds; one that is found is this machine's.
+bool is_file_here(const std::string& url) {
+  const std::unique_ptr<char, GFree> file(g_filename_from_uri(url.c_str(), nullptr, nullptr));
+  return file && g_file_test(file.get(), G_FILE_TEST_EXISTS);
+}
+
+// Before Aravis follows what the camera says.
+void require_sound_place_of_description(const SourceSettings& settings, const std::string& address) {
+  constexpr std::uint32_t kFirstUrl = 0x200, kSecondUrl = 0x400;  // GigE Vision bootstrap registers
+  constexpr std::uint16_t kUrlBytes = 512;
+  const auto first = read_gvcp_memory(address, kFirstUrl, kUrlBytes);
+  if (!first && answers_gvcp(address))
+    throw DeviceError(settings.camera,
+                      fmt::format("{} does not let its description be read: another program may hold it for itself "
+                                  "alone; close that first",
+                                  settings.device));
+  if (!first) fail_unanswered(settings, "not found");
+  if (const auto problem = url_problem(text_in(*first)); !problem.empty()) refuse_description(settings, problem);
+  const auto second = text_in(read_gvcp_memory(address, kSecondUrl, kUrlBytes).value_or(""));
+  if (is_file_here(second)) refuse_description(settings, "lies in a file of this machine: " + second);
+}
+
+// Before Aravis evaluates it.
+void require_sound_description(const SourceSettings& settings, ArvDevice* device) {
+  std::size_t bytes = 0;
+  const char* xml = arv_device_get_genicam_xml(device, &bytes);
+  if (!xml) return;  // then there is nothing to evaluate
+  if (const auto problem = description_problem({xml, bytes}); !problem.empty()) refuse_description(settings, problem);
 }
 
 int packet_size_for(ArvCamera* camera, const SourceSettings& settings, int mtu) {
@@ -226,16 +291,15 @@ void with_device_list(const std::function<void(unsigned)>& each) {
 }
 
 GRef<ArvCamera> open_camera(const SourceSettings& settings) {
+  const auto known = find_camera(settings.device);
+  if (!known.address.empty()) require_sound_place_of_description(settings, known.address);
   ErrorCatcher error;
-  GRef<ArvCamera> camera(arv_camera_new(settings.device.c_str(), error.out()));
-  if (!camera && !g_hostname_is_ip_address(settings.device.c_str()))
-    if (const std::string id = id_of_serial(settings.device); !id.empty())
-      camera.reset(arv_camera_new(id.c_str(), nullptr));
-  if (!camera)
-    throw DeviceError(settings.camera,
-                      fmt::format("no camera answers at {} ({}); check its cable, power and address, or "
-                                  "see which do with: rotunda cameras --discover",
-                                  settings.device, error ? error.message() : "not found"));
+  const GRef<ArvDevice> device(arv_open_device(known.id.c_str(), error.out()));
+  if (!device && !known.address.empty()) fail_unopened(settings, error.message());
+  if (!device) fail_unanswered(settings, error ? error.message() : "not found");
+  require_sound_description(settings, device.get());
+  GRef<ArvCamera> camera(arv_camera_new_with_device(device.get(), error.out()));
+  if (!camera) fail_unanswered(settings, error ? error.message() : "not found");
   if (arv_camera_is_gv_device(camera.get()) &&
       !arv_gv_device_is_controller(ARV_GV_DEVICE(arv_camera_get_device(camera.get()))))
     throw DeviceError(settings.camera,
@@ -327,8 +391,17 @@ void fire_software_trigger(ArvCamera* camera, const SourceSettings& settings) {
   ask(settings, "TriggerSoftware", [&](GError** e) { arv_camera_software_trigger(camera, e); });
 }
 
-std::size_t payload_bytes(ArvCamera* camera, const SourceSettings& settings) {
-  return ask(settings, "PayloadSize", [&](GError** e) { return arv_camera_get_payload(camera, e); });
+// Buffers are made of it: a camera that asks for more than any picture with its chunks is not believed.
+std::size_t payload_bytes(ArvCamera* camera, const SourceSettings& settings, const SourceDescription& description) {
+  constexpr std::size_t kBesidesPixels = 8 << 20;
+  const std::size_t asked = ask(settings, "PayloadSize", [&](GError** e) { return arv_camera_get_payload(camera, e); });
+  const std::size_t pixels = image_bytes(description.width, description.height, description.format);
+  if (asked <= 2 * pixels + kBesidesPixels) return asked;
+  throw DeviceError(settings.camera,
+                    fmt::format("{} says that a picture takes {} bytes (PayloadSize); {} x {} {} are {}. It cannot be "
+                                "recorded; load its default user set, or renew its firmware",
+                                settings.device, asked, description.width, description.height,
+                                to_string(description.format), pixels));
 }
 
 GRef<ArvStream> create_stream(ArvCamera* camera, const SourceSettings& settings, ArvStreamCallback callback,

@@ -43,7 +43,7 @@ void stop_acquisition(ArvCamera* camera, const SourceSettings& settings);
 // DeviceIndicatorMode of the SFNC; false if the camera has none, or does not take it.
 bool set_indicator_light(ArvCamera* camera, bool on);
 void fire_software_trigger(ArvCamera* camera, const SourceSettings& settings);
-std::size_t payload_bytes(ArvCamera* camera, const SourceSettings& settings);
+std::size_t payload_bytes(ArvCamera* camera, const SourceSettings& settings, const SourceDescription& description);
 GRef<ArvStream> create_stream(ArvCamera* camera, const SourceSettings& settings, ArvStreamCallback callback,
                               void* user_data);
 

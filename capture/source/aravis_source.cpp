@@ -15,6 +15,7 @@
 #include "capture/source/aravis_features.h"
 #include "capture/source/buffer_pool.h"
 #include "capture/source/exposure_counter.h"
+#include "capture/source/gvcp_memory.h"
 #include "capture/source/resend_budget.h"
 #include "capture/source/stream_socket.h"
 #include "capture/source/user_name.h"
@@ -25,7 +26,16 @@ namespace {
 
 constexpr int least_packet = 576;           // bytes, that GigE Vision asks of every link
 constexpr std::size_t ignored_frames = 3;   // in packets, with no frame coming out: something is wrong
+constexpr double requests_a_packet = 1.0;   // of a frame, at most: bursts may take half of it
 constexpr int stream_thread_priority = 10;  // of SCHED_RR: late packets are lost packets
+
+class AravisSource;
+
+// Between a stream, which may outlive its source when the camera is gone, and the source.
+struct StreamTie {
+  std::mutex mutex;
+  AravisSource* source = nullptr;  // nobody: what still comes is let go
+};
 
 class AravisSource final : public Source {
  public:
@@ -51,18 +61,20 @@ class AravisSource final : public Source {
 
  private:
   static void on_control_lost(ArvGvDevice*, gpointer self);
-  static void on_stream(void* self, ArvStreamCallbackType type, ArvBuffer* buffer) noexcept;
+  static void on_stream(void* tie, ArvStreamCallbackType type, ArvBuffer* buffer) noexcept;
 
   void require(SourceState needed, const char* verb) const;  // throws unless so
   void become(SourceState next);
   void mind_loss(const std::function<void()>& call);
-  void let_go_of_camera() noexcept;
+  void hear_stream(ArvStreamCallbackType type);
+  void let_go_of_camera(GRef<ArvStream> stream) noexcept;
+  void require_an_answer();
   void keep_resend_budget(SourceHealth& health);
   void set_sinks(FrameSink frames, IncompleteSink incomplete);
   void tune(ArvStream* stream) const;
   void cure_socket_buffer(ArvStream* stream);
   void make_stream();
-  void drop_stream() noexcept;
+  GRef<ArvStream> take_stream() noexcept;
   bool hears_no_frames();
   SourceHealth ask_health();
   void hand_on(ArvBuffer* buffer);
@@ -97,7 +109,9 @@ class AravisSource final : public Source {
   std::optional<ResendBudget> resends_;
   int resend_mode_ = 0;  // ArvGvStreamPacketResend, as Aravis chose it for this camera
   GRef<ArvStream> stream_;
+  std::shared_ptr<StreamTie> tie_;  // of that stream
   std::shared_ptr<BufferPool> pool_;
+  std::uint64_t frames_at_last_look_ = 0;
 };
 
 void AravisSource::require(SourceState needed, const char* verb) const {
@@ -161,11 +175,14 @@ void AravisSource::arm() {
 }
 
 void AravisSource::make_stream() {
-  const std::size_t payload = payload_bytes(camera_.get(), settings_);
-  GRef<ArvStream> stream = create_stream(camera_.get(), settings_, on_stream, this);
+  const std::size_t payload = payload_bytes(camera_.get(), settings_, description_);
+  tie_ = std::make_shared<StreamTie>();
+  tie_->source = this;
+  GRef<ArvStream> stream = create_stream(camera_.get(), settings_, on_stream, tie_.get());
   tune(stream.get());
   if (ARV_IS_GV_STREAM(stream.get())) {
     cure_socket_buffer(stream.get());
+    accept_only_from(arv_gv_stream_get_port(ARV_GV_STREAM(stream.get())), description_.address);
     g_object_get(stream.get(), "packet-resend", &resend_mode_, nullptr);
     resends_.emplace(settings_.resend_budget);
   }
@@ -179,16 +196,17 @@ void AravisSource::make_stream() {
   finished_seen_ = ignored_seen_ = 0;
 }
 
-void AravisSource::drop_stream() noexcept {
-  if (pool_) pool_->close();
-  GRef<ArvStream> stream;
-  {
-    const std::lock_guard lock(mutex_);
-    stream = std::move(stream_);
-    socket_buffer_bytes_ = 0;
+// Nothing of it is heard any more. Its end joins its thread, and asks the camera to stop.
+GRef<ArvStream> AravisSource::take_stream() noexcept {
+  if (tie_) {
+    const std::lock_guard lock(tie_->mutex);
+    tie_->source = nullptr;
   }
-  stream.reset();  // joins the stream thread
+  if (pool_) pool_->close();
   pool_.reset();
+  const std::lock_guard lock(mutex_);
+  socket_buffer_bytes_ = 0;
+  return std::move(stream_);
 }
 
 // Aravis 0.8.26 takes packets for late ones whose block id is up to 99 below the last: one leader with an id a little
@@ -207,7 +225,7 @@ bool AravisSource::hears_no_frames() {
 std::optional<std::string> AravisSource::heal() {
   if (state_ != SourceState::streaming || !hears_no_frames()) return std::nullopt;
   stop_acquisition(camera_.get(), settings_);
-  drop_stream();
+  take_stream().reset();
   counter_ = {};
   make_stream();
   start_acquisition(camera_.get(), settings_);
@@ -250,9 +268,20 @@ void AravisSource::keep_resend_budget(SourceHealth& health) {
   health.problem += "; see to cable, switch, MTU and what else its link carries";
 }
 
+// Aravis takes 2.5 s to find out, and as long again while its heartbeat does: a camera that sends nothing is asked
+// first whether it is there at all.
+void AravisSource::require_an_answer() {
+  const auto frames = frames_ + incomplete_;
+  const bool quiet = std::exchange(frames_at_last_look_, frames) == frames;
+  if (!quiet || !ARV_IS_GV_STREAM(stream_.get()) || answers_gvcp(description_.address)) return;
+  state_ = SourceState::lost;
+  throw CameraGone(settings_.camera, settings_.device + " no longer answers; check its cable and power");
+}
+
 // A camera may refuse to tell something and work all the same; one that does not answer at all is lost.
 SourceHealth AravisSource::look() {
   if (state_ != SourceState::streaming) require(SourceState::armed, "looked at");
+  require_an_answer();
   try {
     return ask_health();
   } catch (const DeviceError& error) {
@@ -278,6 +307,7 @@ void AravisSource::tune(ArvStream* stream) const {
   if (!ARV_IS_GV_STREAM(stream)) return;
   // Size 0: Aravis shall not touch what cure_socket_buffer() sets.
   g_object_set(stream, "socket-buffer", ARV_GV_STREAM_SOCKET_BUFFER_FIXED, "socket-buffer-size", 0, nullptr);
+  g_object_set(stream, "packet-request-ratio", requests_a_packet, nullptr);
   if (!settings_.frame_rate_hz) return;
   const double period_us = 1e6 / *settings_.frame_rate_hz;
   const auto retention_us = static_cast<guint>(std::min(0.875 * period_us, 1e6));
@@ -329,37 +359,44 @@ bool AravisSource::show_light(bool on) {
 void AravisSource::close() noexcept {
   set_sinks({}, {});
   if (camera_ && state_ == SourceState::streaming) arv_camera_stop_acquisition(camera_.get(), nullptr);
-  drop_stream();
+  auto stream = take_stream();
   resends_.reset();
   clock_.reset();
   features_.reset();
-  if (camera_) let_go_of_camera();
+  if (camera_) let_go_of_camera(std::move(stream));
   state_ = SourceState::closed;
 }
 
 // Aravis says goodbye to a camera, and waits seconds for the answer of one that has gone: nobody else shall.
-void AravisSource::let_go_of_camera() noexcept {
+void AravisSource::let_go_of_camera(GRef<ArvStream> stream) noexcept {
   g_signal_handlers_disconnect_by_data(arv_camera_get_device(camera_.get()), this);
   if (state_ == SourceState::lost) try {
-      std::thread([gone = std::move(camera_)]() mutable {
+      std::thread([gone = std::move(camera_), stream = std::move(stream), tie = tie_]() mutable {
         pthread_setname_np(pthread_self(), "farewell");
+        stream.reset();
         gone.reset();
       }).detach();
     } catch (const std::system_error&) {  // no thread to be had: wait here
     }
+  stream.reset();
   camera_.reset();
 }
 
-void AravisSource::on_stream(void* self, ArvStreamCallbackType type, ArvBuffer*) noexcept {
-  auto& source = *static_cast<AravisSource*>(self);
+void AravisSource::on_stream(void* data, ArvStreamCallbackType type, ArvBuffer*) noexcept {
+  auto& tie = *static_cast<StreamTie*>(data);
+  const std::lock_guard lock(tie.mutex);
+  if (tie.source) tie.source->hear_stream(type);
+}
+
+// On the stream's thread.
+void AravisSource::hear_stream(ArvStreamCallbackType type) {
   if (type == ARV_STREAM_CALLBACK_TYPE_INIT) {
-    pthread_setname_np(pthread_self(), source.settings_.camera.substr(0, 15).c_str());
+    pthread_setname_np(pthread_self(), settings_.camera.substr(0, 15).c_str());
     const sched_param priority{.sched_priority = stream_thread_priority};
     pthread_setschedparam(pthread_self(), SCHED_RR, &priority);  // where the system allows it
-  } else if (type == ARV_STREAM_CALLBACK_TYPE_BUFFER_DONE) {
-    ArvStream* stream = source.stream_.get();  // nothing while it is taken down
-    if (ArvBuffer* buffer = stream ? arv_stream_try_pop_buffer(stream) : nullptr) source.hand_on(buffer);
-    source.pool_->top_up();
+  } else if (type == ARV_STREAM_CALLBACK_TYPE_BUFFER_DONE && stream_) {
+    if (ArvBuffer* buffer = arv_stream_try_pop_buffer(stream_.get())) hand_on(buffer);
+    pool_->top_up();
   }
 }
 

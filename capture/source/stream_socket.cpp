@@ -2,11 +2,13 @@
 
 #include <arpa/inet.h>
 #include <ifaddrs.h>
+#include <linux/filter.h>
 #include <net/if.h>
 #include <netinet/in.h>
 #include <sys/ioctl.h>
 #include <sys/socket.h>
 
+#include <array>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
@@ -66,6 +68,19 @@ int set_receive_buffer(std::uint16_t port, int bytes) {
   int booked = 0;
   socklen_t length = sizeof booked;
   return ::getsockopt(*fd, SOL_SOCKET, SO_RCVBUF, &booked, &length) == 0 ? booked / 2 : 0;
+}
+
+bool accept_only_from(std::uint16_t port, const std::string& address) {
+  const auto fd = udp_socket_on_port(port);
+  in_addr sender{};
+  if (!fd || inet_pton(AF_INET, address.c_str(), &sender) != 1) return false;
+  constexpr std::uint32_t kSourceAddress = static_cast<std::uint32_t>(SKF_NET_OFF) + 12;  // of an IPv4 header
+  std::array<sock_filter, 4> program{sock_filter{BPF_LD | BPF_W | BPF_ABS, 0, 0, kSourceAddress},
+                                     sock_filter{BPF_JMP | BPF_JEQ | BPF_K, 0, 1, ntohl(sender.s_addr)},
+                                     sock_filter{BPF_RET | BPF_K, 0, 0, 0xFFFFFFFF},  // all of it
+                                     sock_filter{BPF_RET | BPF_K, 0, 0, 0}};          // nothing
+  const sock_fprog filter{static_cast<unsigned short>(program.size()), program.data()};
+  return ::setsockopt(*fd, SOL_SOCKET, SO_ATTACH_FILTER, &filter, sizeof filter) == 0;
 }
 
 NetworkLink link_with_address(const std::string& address) {

@@ -12,6 +12,10 @@ inline constexpr int wanted_socket_buffer_bytes = 4 << 20;
 // as asked for (half of what the kernel books), or 0 if no such socket was found.
 int set_receive_buffer(std::uint16_t port, int bytes);
 
+// From now on the kernel drops what comes to that socket from elsewhere than `address`: anybody on the network could
+// put pixels into a frame. False if there is no such socket, or no filter to be had.
+bool accept_only_from(std::uint16_t port, const std::string& address);
+
 // The network interface of this machine that has an address.
 struct NetworkLink {
   std::string name;              // "eth0"; empty: none has it

@@ -4,7 +4,7 @@
 
 namespace rotunda::capture {
 
-// Empty if the camera has none, or does not answer within 0.3 s.
+// Empty if the camera has none, or does not answer within a second.
 std::string read_user_name(const std::string& address);
 
 }  // namespace rotunda::capture
