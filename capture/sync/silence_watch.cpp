@@ -31,6 +31,11 @@ bool SilenceWatch::heard(std::size_t camera, Timestamp now) {
   return std::exchange(one.silent, false);
 }
 
+std::chrono::nanoseconds SilenceWatch::silent_for(std::size_t camera, Timestamp now) const {
+  const auto& one = cameras_.at(camera);
+  return one.silent ? std::max<std::chrono::nanoseconds>(now - one.heard, 0ns) : 0ns;
+}
+
 std::vector<std::size_t> SilenceWatch::look(Timestamp now) {
   std::vector<std::size_t> fallen;
   for (std::size_t i = 0; i < cameras_.size(); ++i) {

@@ -22,6 +22,8 @@ class SilenceWatch {
   // Those that have fallen silent since the last look.
   std::vector<std::size_t> look(Timestamp now);
   bool is_silent(std::size_t camera) const { return cameras_.at(camera).silent; }
+  // Since its last frame, or since its first should have been there; nothing of one that is not silent.
+  std::chrono::nanoseconds silent_for(std::size_t camera, Timestamp now) const;
 
   std::chrono::nanoseconds patience() const { return patience_; }
 

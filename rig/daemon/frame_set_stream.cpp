@@ -11,6 +11,12 @@
 namespace rotunda::rig {
 namespace {
 
+using namespace std::chrono_literals;
+
+// Of every camera before a take is given up: this machine may have been too busy to hear any of them for a moment, and
+// questions asked of them then wait just as long.
+constexpr std::chrono::nanoseconds kLeastSilence = 1750ms;
+
 capture::TriggerMode ready_to_trigger(CameraFleet& fleet, double rate_hz) {
   fleet.agree_on_trigger_mode();
   fleet.share_links(rate_hz);
@@ -119,8 +125,9 @@ void FrameSetStream::look_for_silence(capture::Timestamp now) {
 
 bool FrameSetStream::all_gone() const {
   const std::lock_guard lock(mutex_);
+  const auto now = capture::RigClock::now();
   for (std::size_t slot = 0; slot < cameras_.size(); ++slot)
-    if (!silence_.is_silent(slot) || !fleet_.worker(cameras_[slot]).gone()) return false;
+    if (silence_.silent_for(slot, now) < kLeastSilence || !fleet_.worker(cameras_[slot]).gone()) return false;
   return true;
 }
 

@@ -37,6 +37,8 @@ TEST(SilenceWatch, ACameraThatDiesAt25HzIsToldWithin180Milliseconds) {
   EXPECT_GT(died, kStart + 2s + 2 * kPeriod) << "one missed trigger is no silence";
   EXPECT_LE(died, kStart + 2s + 180ms);
   EXPECT_TRUE(watch.is_silent(1));
+  EXPECT_EQ(watch.silent_for(1, kStart + 4s), 2s) << "since its last frame";
+  EXPECT_EQ(watch.silent_for(0, kStart + 4s), 0s);
   EXPECT_TRUE(watch.heard(1, died + 1s)) << "it is back";
   EXPECT_FALSE(watch.is_silent(1));
   EXPECT_THAT(watch.look(died + 1s), ElementsAre(0U, 2U));
