@@ -51,13 +51,14 @@ class DaemonFaults : public StudioTest {
     const sched_param before_others{.sched_priority = 1};
     sched_setscheduler(0, SCHED_RR, &before_others);
   }
-  // A studio for `rows` at a time; the script has the faults of all takes, the one of take t from its first trigger on.
-  void serve(const std::vector<FaultRows>& takes, std::size_t at_once) {
-    half_ = at_once;
+  // A studio whose cameras suffer `rows` from that trigger on.
+  void serve(const FaultRows& rows, std::size_t from_trigger) {
+    half_ = rows.size();
     std::vector<std::string> names;
     for (std::size_t i = 0; i < 2 * half_; ++i) names.push_back(camera_name(i));
     studio_.emplace(TestStudioOptions{.cameras = 2 * half_, .width = kWidth, .height = kHeight});
-    control_.emplace(simulator::FaultControlOptions{.script = write_script(takes), .socket = control_socket()}, names);
+    control_.emplace(
+        simulator::FaultControlOptions{.script = write_script(rows, from_trigger), .socket = control_socket()}, names);
     control_->start(**studio_);
     const int cameras = static_cast<int>(2 * half_);
     daemon_ = start_daemon(write_rig({.cameras = cameras, .packet_size = kPacketSize, .rate_hz = 2.0}));
@@ -71,13 +72,11 @@ class DaemonFaults : public StudioTest {
   }
 
   std::filesystem::path control_socket() const { return folder() / "sim.sock"; }
-  std::filesystem::path write_script(const std::vector<FaultRows>& takes) const {
+  std::filesystem::path write_script(const FaultRows& rows, std::size_t from_trigger) const {
     const auto file = folder() / "faults.yaml";
     std::ofstream script(file);
     script << "seed: 3\nfaults:\n";
-    for (std::size_t take = 0; take < takes.size(); ++take)
-      for (std::size_t row = 0; row < takes[take].size(); ++row)
-        script << "  - " << entry(row, (take + 1) * kTriggers + 1, takes[take][row]) << '\n';
+    for (std::size_t row = 0; row < rows.size(); ++row) script << "  - " << entry(row, from_trigger, rows[row]) << '\n';
     return file;
   }
   void ask(const std::string& request) {
@@ -211,18 +210,26 @@ const FaultRows kLinks{
     {FaultKind::corrupted_leader, "corrupted_leader: block_id", kAll, kAll},
 };
 
-TEST_F(DaemonFaults, CostNoMoreThanTheFramesTheyStrike) {
-  ASSERT_NO_FATAL_FAILURE(serve({kPackets, kFrames, kTimes}, 9));
-  record_and_expect_fired("control", {});
-  record_and_expect_fired("packets", kPackets);
-  record_and_expect_fired("frames", kFrames);
-  record_and_expect_fired("times", kTimes);
+struct FaultFamily {
+  std::string name;
+  FaultRows rows;
+};
+class DaemonFaultsOf : public DaemonFaults, public testing::WithParamInterface<FaultFamily> {};
+
+// The control run comes afterwards: that the faults are over, and were what cost the frames.
+TEST_P(DaemonFaultsOf, CostNoMoreThanTheFramesTheyStrike) {
+  ASSERT_NO_FATAL_FAILURE(serve(GetParam().rows, 1));
+  record_and_expect_fired("struck", GetParam().rows);
   ask("clear");
-  record_and_expect_fired("afterwards", {});
+  record_and_expect_fired("control", {});
 }
+INSTANTIATE_TEST_SUITE_P(Each, DaemonFaultsOf,
+                         testing::Values(FaultFamily{"Packets", kPackets}, FaultFamily{"Frames", kFrames},
+                                         FaultFamily{"Times", kTimes}),
+                         [](const auto& family) { return family.param.name; });
 
 TEST_F(DaemonFaults, OfTheLinkAreToldAndCamerasComeBack) {
-  ASSERT_NO_FATAL_FAILURE(serve({kLinks}, 9));
+  ASSERT_NO_FATAL_FAILURE(serve(kLinks, kTriggers + 1));
   record_and_expect_fired("control", {});
   const auto before = studio_->stats();
   record("links", kLinks);

@@ -1,8 +1,6 @@
 // The disk fails, is full or slow under a recording daemon (failing_disk.c, preloaded). Every test sees that its fault
 // has struck; the control run is the same without one.
-#include <cstdlib>
-#include <map>
-
+#include "tests/integration/environment.h"
 #include "tests/integration/house_test.h"
 #include "tests/support/gige_test_studio.h"
 
@@ -13,22 +11,6 @@ namespace fs = std::filesystem;
 using testing::HasSubstr;
 
 constexpr std::size_t kCameras = 3;
-
-// Set for as long as it lives.
-class Environment {
- public:
-  explicit Environment(std::map<std::string, std::string> values) : values_(std::move(values)) {
-    for (const auto& [name, value] : values_) setenv(name.c_str(), value.c_str(), 1);
-  }
-  ~Environment() {
-    for (const auto& [name, value] : values_) unsetenv(name.c_str());
-  }
-  Environment(const Environment&) = delete;
-  Environment& operator=(const Environment&) = delete;
-
- private:
-  std::map<std::string, std::string> values_;
-};
 
 class Disk : public StudioTest {
  protected:
