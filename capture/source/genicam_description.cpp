@@ -38,7 +38,7 @@ struct Node {
 };
 using Nodes = std::unordered_map<std::string, Node>;
 
-std::string of(const xmlChar* text) {
+std::string_view view_of(const xmlChar* text) {
   return text ? reinterpret_cast<const char*>(text) : "";
 }
 
@@ -70,23 +70,23 @@ class DescriptionReader {
     if (kind == XML_READER_TYPE_END_ELEMENT) end(depth);
     if ((kind == XML_READER_TYPE_TEXT || kind == XML_READER_TYPE_CDATA) && link_depth_ >= 0)
       for (const auto& around : around_)
-        nodes[around.name].needs.push_back(trimmed(of(xmlTextReaderConstValue(reader_.get()))));
+        nodes[around.name].needs.push_back(trimmed(view_of(xmlTextReaderConstValue(reader_.get()))));
     return nodes.size() > kMostNodes ? fmt::format("has more than {} nodes", kMostNodes) : "";
   }
 
   // A link belongs to every node around it: whatever the library makes of nested ones, none is overlooked.
   void begin(Nodes& nodes, int depth) {
     if (xmlTextReaderIsEmptyElement(reader_.get())) return;
-    const auto element = of(xmlTextReaderConstLocalName(reader_.get()));
-    if (kValueLinks.count(element) > 0) {
+    const std::string_view element = view_of(xmlTextReaderConstLocalName(reader_.get()));
+    if (element.substr(0, 1) == "p" && kValueLinks.count(element) > 0) {
       link_depth_ = depth;
       return;
     }
-    if (kNamedButNoNodes.count(element) > 0) return;
+    if (xmlTextReaderHasAttributes(reader_.get()) != 1 || kNamedButNoNodes.count(element) > 0) return;
     const std::unique_ptr<xmlChar, decltype(xmlFree)> name(
         xmlTextReaderGetAttribute(reader_.get(), reinterpret_cast<const xmlChar*>("Name")), xmlFree);
     if (!name) return;
-    around_.push_back({of(name.get()), depth});
+    around_.push_back({std::string(view_of(name.get())), depth});
     nodes.try_emplace(around_.back().name);
   }
 
@@ -95,9 +95,9 @@ class DescriptionReader {
     while (!around_.empty() && around_.back().depth >= depth) around_.pop_back();
   }
 
-  static std::string trimmed(const std::string& text) {
+  static std::string trimmed(std::string_view text) {
     const auto from = text.find_first_not_of(" \t\r\n"), to = text.find_last_not_of(" \t\r\n");
-    return from == std::string::npos ? "" : text.substr(from, to - from + 1);
+    return std::string(from == std::string_view::npos ? "" : text.substr(from, to - from + 1));
   }
 
   std::unique_ptr<xmlTextReader, decltype(&xmlFreeTextReader)> reader_;

@@ -5,17 +5,26 @@
 // by chrt.
 //   fleet_bench RIG.yaml [seconds]
 #include <fmt/format.h>
+#include <linux/filter.h>
+#include <linux/if_ether.h>
 #include <netinet/in.h>
 #include <poll.h>
 #include <spdlog/spdlog.h>
+#include <sys/socket.h>
 
 #include <algorithm>
-#include <cmath>
+#include <array>
+#include <cerrno>
 #include <cstdlib>
+#include <cstring>
+#include <ctime>
 #include <mutex>
 #include <numeric>
+#include <optional>
+#include <system_error>
 #include <thread>
 
+#include "capture/base/unique_fd.h"
 #include "config/rig_config.h"
 #include "rig/daemon/camera_fleet.h"
 #include "rig/daemon/frame_set_stream.h"
@@ -49,6 +58,70 @@ void print_row(const std::string& name, Latencies latencies) {
   fmt::print("{:<34} p50 {:.3f} ms, p99 {:.3f} ms, max {:.3f} ms\n", name, latencies.at(0.5), latencies.at(0.99),
              latencies.at(1.0));
 }
+
+// When the last packets of frames (GVSP trailers) went over the loopback, by the kernel's own stamps.
+class Trailers {
+ public:
+  Trailers() : fd_(::socket(AF_PACKET, SOCK_DGRAM | SOCK_CLOEXEC, htons(ETH_P_IP))) {
+    constexpr std::uint32_t kProtocol = 9, kGvspFormat = 20 + 8 + 4;  // from the IPv4 header on
+    std::array<sock_filter, 6> program{sock_filter{BPF_LD | BPF_B | BPF_ABS, 0, 0, kProtocol},
+                                       sock_filter{BPF_JMP | BPF_JEQ | BPF_K, 0, 3, IPPROTO_UDP},
+                                       sock_filter{BPF_LD | BPF_B | BPF_ABS, 0, 0, kGvspFormat},
+                                       sock_filter{BPF_JMP | BPF_JEQ | BPF_K, 0, 1, 2},
+                                       sock_filter{BPF_RET | BPF_K, 0, 0, 64},
+                                       sock_filter{BPF_RET | BPF_K, 0, 0, 0}};
+    const sock_fprog filter{static_cast<unsigned short>(program.size()), program.data()};
+    const int on = 1;
+    const timeval pause{.tv_sec = 0, .tv_usec = 100'000};
+    if (!fd_ || setsockopt(fd_.get(), SOL_SOCKET, SO_ATTACH_FILTER, &filter, sizeof filter) != 0 ||
+        setsockopt(fd_.get(), SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on) != 0 ||
+        setsockopt(fd_.get(), SOL_SOCKET, SO_RCVTIMEO, &pause, sizeof pause) != 0)
+      throw std::system_error(errno, std::generic_category(), "a packet socket, to see when packets leave");
+    thread_ = std::jthread([this](const std::stop_token& stop) {
+      while (!stop.stop_requested()) listen();
+    });
+  }
+
+  // The last one between two moments.
+  std::optional<Timestamp> last_between(Timestamp from, Timestamp to) const {
+    const std::lock_guard lock(mutex_);
+    const auto past = std::upper_bound(stamps_.begin(), stamps_.end(), to);
+    return past == stamps_.begin() || *(past - 1) < from ? std::nullopt : std::optional(*(past - 1));
+  }
+
+ private:
+  void listen() {
+    std::array<char, 64> packet{};
+    alignas(cmsghdr) std::array<char, 128> control{};
+    iovec piece{packet.data(), packet.size()};
+    msghdr message{};
+    message.msg_iov = &piece;
+    message.msg_iovlen = 1;
+    message.msg_control = control.data();
+    message.msg_controllen = control.size();
+    if (recvmsg(fd_.get(), &message, 0) <= 0) return;
+    const cmsghdr* told = CMSG_FIRSTHDR(&message);
+    if (told == nullptr || told->cmsg_type != SCM_TIMESTAMPNS) return;
+    timespec stamp{};
+    std::memcpy(&stamp, CMSG_DATA(told), sizeof stamp);
+    const std::lock_guard lock(mutex_);
+    stamps_.push_back(
+        Timestamp(std::chrono::seconds{stamp.tv_sec} + std::chrono::nanoseconds{stamp.tv_nsec} + rig_ahead_));
+  }
+  // Of the clock that the kernel stamps by.
+  static std::chrono::nanoseconds rig_ahead() {
+    timespec now{};
+    clock_gettime(CLOCK_REALTIME, &now);
+    return RigClock::now().time_since_epoch() - std::chrono::seconds{now.tv_sec} -
+           std::chrono::nanoseconds{now.tv_nsec};
+  }
+
+  capture::UniqueFd fd_;
+  const std::chrono::nanoseconds rig_ahead_ = rig_ahead();
+  mutable std::mutex mutex_;
+  std::vector<Timestamp> stamps_;
+  std::jthread thread_;
+};
 
 // Ten cameras that show noise.
 class Studio {
@@ -105,39 +178,31 @@ void run_opening(const config::RigConfig& rig) {
              rounds.back());
 }
 
-// From a trigger to the moment its last packet is due: the exposure, then the frame at the speed of the camera's link,
-// all cameras at once. A simulator that sends late makes the latency longer, never shorter.
-std::chrono::nanoseconds time_to_last_packet(const config::RigConfig& rig) {
-  constexpr double kLink = 1e9;             // bits a second, GigeStudioOptions' default
-  constexpr double kHeaders = 36.0;         // bytes of IP, UDP and GVSP in each packet
-  constexpr double kBurst = 64.0 * 1024.0;  // bytes that leave at once: the last ones do not wait for their turn
-  const auto& camera = rig.cameras[0];
-  const double pixels = static_cast<double>(camera.width) * camera.height;
-  const double packets = std::ceil(pixels / (camera.packet_size - kHeaders)) + 2.0;
-  const double bursts = std::ceil(packets / std::floor(kBurst / camera.packet_size)) - 1.0;
-  const double bits = 8.0 * bursts * std::floor(kBurst / camera.packet_size) * camera.packet_size;
-  return std::chrono::nanoseconds(std::llround(1e3 * camera.exposure_us.value_or(5000.0) + 1e9 * bits / kLink));
-}
+// Exposure and link take 8.5 ms; what comes much later was sent again.
+constexpr auto kFrameTime = 10ms;
 
 struct Stamped {
   Timestamp trigger, queued;
   bool complete = false;
 };
 
+// From the last packet that was to come, to the set in the queue; packets that are sent again are not waited for.
 void run_latency(const config::RigConfig& rig, Studio& studio, const std::string& name, std::uint64_t sets) {
   rig::CameraFleet fleet(rig);
   fleet.wait_until_tried({});
+  const Trailers trailers;
   std::vector<Stamped> all;
   const auto lost_before = studio.lost_packets();
   rig::FrameSetStream stream({.trigger = rig.trigger, .wanted = sets, .cameras = names_of(rig), .deadline = 1s}, fleet);
   stream.start([&](capture::FrameSet&& set) { all.push_back({set.time, RigClock::now(), set.complete()}); });
   while (stream.advance()) std::this_thread::sleep_for(20ms);
-  const auto last_packet = time_to_last_packet(rig);
   Latencies latencies;
   std::size_t complete = 0;
   for (const auto& set : all) {
     complete += set.complete;
-    latencies.all.push_back(milliseconds(set.queued - set.trigger - last_packet));
+    const auto frame_is_over = set.trigger + kFrameTime;
+    const auto last = trailers.last_between(set.trigger, std::min(set.queued, frame_is_over));
+    if (last) latencies.all.push_back(milliseconds(set.queued - *last));
   }
   fmt::print("{:<34} {} of {} complete, {} packets lost\n", name + ": frame sets", complete, sets,
              studio.lost_packets() - lost_before);

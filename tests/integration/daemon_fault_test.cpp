@@ -213,6 +213,7 @@ const FaultRows kLinks{
 struct FaultFamily {
   std::string name;
   FaultRows rows;
+  friend void PrintTo(const FaultFamily& family, std::ostream* out) { *out << family.name; }
 };
 class DaemonFaultsOf : public DaemonFaults, public testing::WithParamInterface<FaultFamily> {};
 

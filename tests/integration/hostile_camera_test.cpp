@@ -39,7 +39,7 @@ std::vector<Hostility> hostilities() {
   const auto whole = bare_description("<Integer Name=\"Width\"><Value>160</Value></Integer>");
   return {
       {"noise for a description", {.description = std::string(3000, '\x8f')}, "cannot be opened as a camera"},
-      {"half a description", {.description = whole.substr(0, whole.size() / 2)}, "no whole XML"},
+      {"half a description", {.description = whole.substr(0, whole.size() / 2)}, "cannot be opened as a camera"},
       {"four gigabytes of description", {.url = "Local:bare.xml;1000;ffffffff"}, "bytes long"},
       {"an endless file of this machine", {.url = "File:///dev/zero"}, "lies elsewhere"},
       {"a page of somebody's", {.url = "http://127.0.0.1:9/bare.xml"}, "lies elsewhere"},
@@ -76,7 +76,7 @@ std::vector<Hostility> hostilities() {
             "<?xml version=\"1.0\"?><!DOCTYPE a [<!ENTITY a0 \"ha\">" +
             repeated(30, [](int i) { return fmt::format("<!ENTITY a{} \"&a{};&a{};\">", i + 1, i, i); }) +
             "]><RegisterDescription><Integer Name=\"Width\"><Value>&a30;</Value></Integer></RegisterDescription>"},
-       "entities"},
+       "no whole XML"},
       {"answers cut short",
        {.spoil = [](std::vector<std::uint8_t>& datagram) { datagram.resize(datagram.size() / 2); }},
        "does not let its description be read"},
