@@ -3,9 +3,11 @@
 // ellipses, all joined smoothly (Bloomenthal and Shoemake, "Convolution surfaces", 1991, with the polynomial blend of
 // Quilez). Person frame, metres.
 #include <Eigen/Core>
+#include <span>
 #include <vector>
 
 #include "simulator/people/garment.h"
+#include "simulator/people/part_grid.h"
 #include "simulator/people/skeleton.h"
 
 namespace rotunda::simulator {
@@ -92,14 +94,20 @@ class BodyShape {
   const HeadFrame& head() const { return head_; }
 
  private:
-  double part_distance(const BodyPart& part, const Eigen::Vector3d& p) const;
+  class Probe;  // a point of space, asked for its distance from several parts
+  double part_distance(const BodyPart& part, Probe& probe) const;
   double trunk_distance(const Eigen::Vector3d& p) const;
   double fold(const Eigen::Vector3d& p) const;
+  double joined_distance(std::span<const std::uint16_t> parts, const Eigen::Vector3d& p) const;
+  std::size_t nearest_of(std::span<const std::uint16_t> parts, const Eigen::Vector3d& p) const;
+  std::vector<std::uint16_t> parts_that_matter(const Eigen::Vector3d& middle, double half_diagonal) const;
 
   BodyBuild build_;
   HeadFrame head_;
   Garments garments_;
   std::vector<BodyPart> parts_;
+  std::vector<std::uint16_t> all_parts_;
+  PartGrid grid_;
 };
 
 // The parts of a body, in the order in which they are joined.

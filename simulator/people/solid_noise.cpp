@@ -6,7 +6,7 @@
 namespace rotunda::simulator {
 namespace {
 
-std::uint32_t mix(std::uint32_t h) {  // finaliser of MurmurHash3
+constexpr std::uint32_t mix(std::uint32_t h) {  // finaliser of MurmurHash3
   h ^= h >> 16;
   h *= 0x85ebca6bU;
   h ^= h >> 13;
@@ -14,17 +14,15 @@ std::uint32_t mix(std::uint32_t h) {  // finaliser of MurmurHash3
   return h ^ (h >> 16);
 }
 
-std::uint32_t hashed(std::uint32_t h, std::int64_t v) {
-  return mix(h ^ (static_cast<std::uint32_t>(v) * 0x9e3779b9U + 0x7f4a7c15U));
-}
-
 std::uint32_t hash(std::int64_t x, std::int64_t y, std::int64_t z, std::uint32_t seed) {
-  return hashed(hashed(hashed(seed, x), y), z);
+  std::uint32_t h = seed;
+  for (const std::int64_t v : {x, y, z}) h = mix(h ^ (static_cast<std::uint32_t>(v) * 0x9e3779b9U + 0x7f4a7c15U));
+  return h;
 }
 
 // One of the twelve edge directions of a cube (Perlin, "Improving noise", 2002).
-double gradient_dot(std::uint32_t h, double x, double y, double z) {
-  const std::uint32_t g = h & 15U;
+double gradient_dot(std::uint8_t h, double x, double y, double z) {
+  const unsigned g = h & 15U;
   const double u = g < 8 ? x : y;
   const double v = g < 4 ? y : (g == 12 || g == 14 ? x : z);
   return ((g & 1U) ? -u : u) + ((g & 2U) ? -v : v);
@@ -34,25 +32,53 @@ double fade(double t) {
   return t * t * t * (t * (t * 6.0 - 15.0) + 10.0);
 }
 
+// A shuffle of 0 to 255, twice in a row. Noise is most of what a person costs to build: three look-ups a corner are a
+// fifth of three hashes, and the lattice repeats after 256 units only.
+constexpr std::array<std::uint8_t, 512> shuffled() {
+  std::array<std::uint8_t, 512> table{};
+  for (std::size_t i = 0; i < 256; ++i) table[i] = static_cast<std::uint8_t>(i);
+  for (std::size_t i = 255; i > 0; --i) {
+    const std::size_t j = mix(static_cast<std::uint32_t>(i) * 0x9e3779b9U) % (i + 1);
+    const std::uint8_t kept = table[i];
+    table[i] = table[j];
+    table[j] = kept;
+  }
+  for (std::size_t i = 0; i < 256; ++i) table[256 + i] = table[i];
+  return table;
+}
+constexpr auto kShuffled = shuffled();
+
+// The lattice points about a coordinate, and how far beyond the first it lies.
+struct Between {
+  std::uint8_t low, high;
+  double beyond, share;  // share: of the second point
+  Between(double x, std::uint32_t offset) {
+    const double floor = std::floor(x);
+    low = static_cast<std::uint8_t>(static_cast<std::uint32_t>(static_cast<std::int64_t>(floor)) + offset);
+    high = static_cast<std::uint8_t>(low + 1);
+    beyond = x - floor;
+    share = fade(beyond);
+  }
+};
+
+double blend(double a, double b, double share) {
+  return a + share * (b - a);
+}
+
 }  // namespace
 
 double solid_noise(const Eigen::Vector3d& p, std::uint32_t seed) {
-  const Eigen::Vector3d base = p.array().floor();
-  const Eigen::Vector3d f = p - base;
-  const auto x = static_cast<std::int64_t>(base.x()), y = static_cast<std::int64_t>(base.y()),
-             z = static_cast<std::int64_t>(base.z());
-  const double u = fade(f.x()), v = fade(f.y()), w = fade(f.z());
-  double sum = 0.0;
-  for (int i = 0; i < 2; ++i) {
-    const std::uint32_t column = hashed(seed, x + i);
-    for (int j = 0; j < 2; ++j) {
-      const std::uint32_t row = hashed(column, y + j);
-      const double share = (i ? u : 1.0 - u) * (j ? v : 1.0 - v);
-      for (int k = 0; k < 2; ++k)
-        sum += share * (k ? w : 1.0 - w) * gradient_dot(hashed(row, z + k), f.x() - i, f.y() - j, f.z() - k);
-    }
-  }
-  return sum;
+  const std::uint32_t offset = mix(seed);
+  const Between x(p.x(), offset), y(p.y(), offset >> 8), z(p.z(), offset >> 16);
+  const auto along_z = [&](std::size_t row, double dx, double dy) {
+    return blend(gradient_dot(kShuffled[row + z.low], dx, dy, z.beyond),
+                 gradient_dot(kShuffled[row + z.high], dx, dy, z.beyond - 1.0), z.share);
+  };
+  const auto along_y = [&](std::size_t column, double dx) {
+    return blend(along_z(kShuffled[column + y.low], dx, y.beyond),
+                 along_z(kShuffled[column + y.high], dx, y.beyond - 1.0), y.share);
+  };
+  return blend(along_y(kShuffled[x.low], x.beyond), along_y(kShuffled[x.high], x.beyond - 1.0), x.share);
 }
 
 double fractal_noise(const Eigen::Vector3d& p, int octaves, std::uint32_t seed) {

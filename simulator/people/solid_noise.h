@@ -5,7 +5,7 @@
 
 namespace rotunda::simulator {
 
-// Gradient noise with a lattice of one unit; about -1 to 1, 0 on the lattice points.
+// Gradient noise with a lattice of one unit; about -1 to 1, 0 on the lattice points; repeats every 256 units.
 double solid_noise(const Eigen::Vector3d& p, std::uint32_t seed);
 
 // Sum of octaves, each of twice the frequency and half the height of the one before; about -1 to 1.
