@@ -1,6 +1,7 @@
 // Head and face on the reference head (HeadFrame). Proportions after Farkas, Anthropometry of the Head and Face, 1994
 // (young adults, medians): head 0.196 long, 0.152 broad, 0.226 high; vertex 1.744, glabella 1.652, eyes 1.632,
-// subnasale 1.587, mouth 1.564, chin 1.520.
+// subnasale 1.587, mouth 1.564, chin 1.520; across the cheekbones 0.137 (women 0.130), the angles of the jaw 0.102
+// (0.091).
 #include <cmath>
 
 #include "simulator/people/body_part_list.h"
@@ -66,13 +67,14 @@ void add_skull(Head& head) {
 }
 
 void add_jaw(Head& head, Side side) {
-  const double s = sign_of(side), wide = head.face().jaw * (head.is_male() ? 0.95 : 0.83);
-  const Vector3d ear = at(-0.004, s * 0.060, 1.606), angle = at(0.010, s * 0.049 * wide, 1.560);
+  const double s = sign_of(side), wide = head.face().jaw * (head.is_male() ? 1.0 : 0.88);
+  const Vector3d ear = at(-0.004, s * 0.056, 1.606), angle = at(0.012, s * 0.039 * wide, 1.560);
   const Vector3d chin = at(0.077, s * 0.012 * wide, 1.5345);
   head.cone(ear, angle, 0.013, 0.013, 0.020);
   head.cone(angle, chin, 0.014, 0.0150, 0.022);
-  head.cone(at(0.060, s * 0.047, 1.606), at(-0.002, s * 0.064, 1.617), 0.013 * head.face().cheeks, 0.008, 0.016);
-  head.ellipsoid(at(0.044, s * 0.040, 1.580), at(0.032, 0.018, 0.030), 0.022);
+  const double bone = head.is_male() ? 0.0600 : 0.0575;
+  head.cone(at(0.060, s * 0.045, 1.607), at(-0.002, s * bone, 1.617), 0.013 * head.face().cheeks, 0.008, 0.016);
+  head.ellipsoid(at(0.044, s * 0.033 * wide, 1.580), at(0.032, 0.018, 0.030), 0.022);
   head.ellipsoid(at(0.062, s * 0.036, 1.598), Vector3d(0.022, 0.020, 0.022) * head.face().cheeks, 0.018);
 }
 
@@ -118,16 +120,16 @@ void add_mouth(Head& head) {
 void add_ear(Head& head, Side side) {
   const double s = sign_of(side);
   const Vector3d across = at(0.36, s, 0.0).normalized();
-  auto& plate = head.cone(at(-0.017, s * 0.080, 1.638), at(-0.006, s * 0.0765, 1.606), 0.0165, 0.0090, 0.006);
+  auto& plate = head.cone(at(-0.017, s * 0.080, 1.638), at(-0.006, s * 0.0765, 1.606), 0.0165, 0.0095, 0.008);
   plate.across = across;
-  plate.flatness = 0.34;
+  plate.flatness = 0.38;
   const std::array<Vector3d, 6> rim = {at(-0.0045, s * 0.0800, 1.6330), at(-0.0065, s * 0.0845, 1.6500),
                                        at(-0.0195, s * 0.0890, 1.6565), at(-0.0315, s * 0.0905, 1.6440),
                                        at(-0.0270, s * 0.0860, 1.6200), at(-0.0080, s * 0.0790, 1.5985)};
-  for (std::size_t i = 0; i + 1 < rim.size(); ++i) head.cone(rim[i], rim[i + 1], 0.0034, 0.0036, 0.003);
+  for (std::size_t i = 0; i + 1 < rim.size(); ++i) head.cone(rim[i], rim[i + 1], 0.0040, 0.0040, 0.007);
   head.ellipsoid(at(-0.0030, s * 0.0775, 1.6000), at(0.0070, 0.0045, 0.0070), 0.004);  // lobe
   head.cone(at(0.0010, s * 0.0770, 1.6260), at(0.0020, s * 0.0760, 1.6160), 0.0045, 0.0040, 0.004);
-  head.carve(at(-0.0080, s * 0.0880, 1.6240), at(0.0085, 0.0060, 0.0130), 0.004);
+  head.carve(at(-0.0090, s * 0.0895, 1.6270), at(0.0100, 0.0065, 0.0150), 0.006);
 }
 
 void add_beard(Head& head) {

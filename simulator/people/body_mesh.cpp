@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -14,6 +15,7 @@ namespace rotunda::simulator {
 namespace {
 
 using Eigen::Vector3d;
+using Neighbours = std::vector<std::vector<std::uint32_t>>;
 
 constexpr double kBodyCell = 0.0165;    // metres, of a body of 1.75 m
 constexpr double kHangingCell = 1.07;   // as many triangles again go into a skirt or coat
@@ -33,7 +35,7 @@ FinerBox foot_box(const Skeleton& skeleton, Side side) {
   const double h = skeleton.height;
   const Vector3d ankle = skeleton.joint[index(on_side(Joint::foot_left, side))];
   return {{ankle.x() - 0.055 * h, ankle.y() - 0.042 * h, -0.01},
-          {ankle.x() + 0.135 * h, ankle.y() + 0.042 * h, 0.06 * h},
+          {ankle.x() + 0.135 * h, ankle.y() + 0.042 * h, 0.078 * h},  // above hem and shoe
           2};
 }
 
@@ -52,26 +54,109 @@ GradedLatticeOptions lattice_for(const Skeleton& skeleton, double hanging, doubl
   return lattice;
 }
 
-Vector3d onto_surface(const BodyShape& shape, Vector3d p) {
+// A point of the surface and what it faces.
+struct TangentPlane {
+  Vector3d point, normal;
+};
+
+TangentPlane onto_surface(const BodyShape& shape, Vector3d p) {
+  Vector3d normal = Vector3d::UnitZ();
   for (int step = 0; step < 2; ++step) {
-    const Vector3d g = shape.gradient(p);
-    const double slope = std::max(g.norm(), 0.3);
-    p -= g / slope * std::clamp(shape.distance(p) / slope, -0.006, 0.006);
+    const Vector3d gradient = shape.gradient(p);
+    const double slope = std::max(gradient.norm(), 0.3);
+    normal = gradient / slope;
+    p -= normal * std::clamp(shape.distance(p) / slope, -0.006, 0.006);
   }
-  return p;
+  return {p, normal.normalized()};
 }
 
 // Evens the triangles out along the surface, then draws the vertices onto it.
-void relax(const BodyShape& shape, recon::TriangleMesh& mesh,
-           const std::vector<std::vector<std::uint32_t>>& neighbours) {
+void relax(const BodyShape& shape, recon::TriangleMesh& mesh, const Neighbours& neighbours) {
   const auto before = mesh.positions;
   tbb::parallel_for(std::size_t{0}, before.size(), [&](std::size_t v) {
     Vector3d mean = Vector3d::Zero();
     for (const auto n : neighbours[v]) mean += before[n].cast<double>();
     mean /= static_cast<double>(neighbours[v].size());
     const Vector3d here = before[v].cast<double>();
-    mesh.positions[v] = onto_surface(shape, here + 0.5 * (mean - here)).cast<float>();
+    const auto [point, normal] = onto_surface(shape, here + 0.5 * (mean - here));
+    mesh.positions[v] = point.cast<float>();
+    mesh.normals[v] = normal.cast<float>();
   });
+}
+
+// Vertices about which the surface turns sharply: hems, soles, lids.
+std::vector<std::uint8_t> near_creases(const recon::TriangleMesh& mesh, const Neighbours& neighbours) {
+  constexpr float kCosine = 0.80F;
+  std::vector<std::uint8_t> near(mesh.positions.size());
+  tbb::parallel_for(std::size_t{0}, near.size(), [&](std::size_t v) {
+    for (const auto n : neighbours[v])
+      if (mesh.normals[v].dot(mesh.normals[n]) < kCosine) near[v] = 1;
+  });
+  return near;
+}
+
+// The point with the least squared distance from all planes; along the directions in which they say nothing, their
+// middle.
+Vector3d where_planes_meet(const std::vector<TangentPlane>& planes) {
+  constexpr double kLeastEigenvalue = 0.10;  // against the largest
+  Vector3d middle = Vector3d::Zero(), right = Vector3d::Zero();
+  for (const auto& plane : planes) middle += plane.point / static_cast<double>(planes.size());
+  Eigen::Matrix3d quadric = Eigen::Matrix3d::Zero();
+  for (const auto& [point, normal] : planes) {
+    quadric += normal * normal.transpose();
+    right += normal * normal.dot(point - middle);
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(quadric);
+  Vector3d shift = Vector3d::Zero();
+  for (int i = 0; i < 3; ++i)
+    if (eigen.eigenvalues()[i] > kLeastEigenvalue * eigen.eigenvalues()[2])
+      shift += eigen.eigenvectors().col(i) * (eigen.eigenvectors().col(i).dot(right) / eigen.eigenvalues()[i]);
+  return middle + shift;
+}
+
+Vector3d facing(const recon::TriangleMesh& mesh, const std::array<std::uint32_t, 3>& t, std::uint32_t moved,
+                const Vector3d& to) {
+  std::array<Vector3d, 3> p;
+  for (std::size_t i = 0; i < 3; ++i) p[i] = t[i] == moved ? to : mesh.positions[t[i]].cast<double>();
+  return (p[1] - p[0]).cross(p[2] - p[0]);
+}
+
+// Vertices at a crease move onto it, to where the tangent planes under the triangles about them meet (Ohtake and
+// Belyaev, "Dual/primal mesh optimization for polygonized implicit surfaces", 2002): else a hem has teeth.
+void sharpen(const BodyShape& shape, recon::TriangleMesh& mesh, const Neighbours& neighbours,
+             const Neighbours& triangles_about) {
+  const auto near = near_creases(mesh, neighbours);
+  std::vector<TangentPlane> planes(mesh.triangles.size());
+  tbb::parallel_for(std::size_t{0}, planes.size(), [&](std::size_t i) {
+    const auto& t = mesh.triangles[i];
+    if (!near[t[0]] && !near[t[1]] && !near[t[2]]) return;
+    const Eigen::Vector3f middle = (mesh.positions[t[0]] + mesh.positions[t[1]] + mesh.positions[t[2]]) / 3.0F;
+    planes[i] = onto_surface(shape, middle.cast<double>());
+  });
+  const recon::TriangleMesh before = mesh;
+  tbb::parallel_for(std::size_t{0}, near.size(), [&](std::size_t v) {
+    if (!near[v]) return;
+    std::vector<TangentPlane> about;
+    for (const auto t : triangles_about[v]) about.push_back(planes[t]);
+    const auto vertex = static_cast<std::uint32_t>(v);
+    const Vector3d here = before.positions[v].cast<double>(), target = where_planes_meet(about);
+    double reach = 0.0;
+    for (const auto n : neighbours[v])
+      reach += 0.5 * (before.positions[n] - before.positions[v]).norm() / static_cast<double>(neighbours[v].size());
+    const double way = (target - here).norm();
+    const Vector3d to = here + (target - here) * std::min(1.0, reach / std::max(way, 1e-9));
+    for (const auto t : triangles_about[v])  // none may turn over
+      if (facing(before, before.triangles[t], vertex, to).dot(facing(before, before.triangles[t], vertex, here)) < 0.0)
+        return;
+    mesh.positions[v] = to.cast<float>();
+  });
+}
+
+Neighbours triangles_by_vertex(const recon::TriangleMesh& mesh) {
+  Neighbours triangles(mesh.positions.size());
+  for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i)
+    for (const auto v : mesh.triangles[i]) triangles[v].push_back(i);
+  return triangles;
 }
 
 }  // namespace
@@ -84,7 +169,7 @@ std::vector<std::vector<std::uint32_t>> neighbours_of(const recon::TriangleMesh&
 }
 
 recon::TriangleMesh body_mesh(const BodyShape& shape, const Skeleton& skeleton, double coarseness) {
-  constexpr int kTries = 4;
+  constexpr int kTries = 6;
   recon::TriangleMesh mesh;
   recon::MeshTopology topology;
   for (int i = 0; i < kTries && !topology.is_sphere(); ++i) {  // a lattice may happen to fall badly on a narrow gap
@@ -98,7 +183,10 @@ recon::TriangleMesh body_mesh(const BodyShape& shape, const Skeleton& skeleton, 
                     "surface; choose milder proportions",
                     topology.components, topology.euler_characteristic));
   const auto neighbours = neighbours_of(mesh);
-  for (int round = 0; round < 3; ++round) relax(shape, mesh, neighbours);
+  const auto triangles_about = triangles_by_vertex(mesh);
+  mesh.normals.resize(mesh.positions.size());
+  for (int round = 0; round < 2; ++round) relax(shape, mesh, neighbours);
+  for (int round = 0; round < 2; ++round) sharpen(shape, mesh, neighbours, triangles_about);
   recon::compute_normals(mesh);
   return mesh;
 }

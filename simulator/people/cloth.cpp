@@ -25,17 +25,25 @@ struct Surface {
   Neighbours neighbours;
   std::vector<double> looseness;
   std::vector<Garment> garment;
+  std::vector<std::uint8_t> on_trunk;  // no part of an arm
   bool loose(std::size_t v) const { return looseness[v] > kLeastLooseness; }
   Vector3d at(std::size_t v) const { return mesh.positions[v].cast<double>(); }
   Vector3d normal(std::size_t v) const { return mesh.normals[v].cast<double>(); }
 };
 
+bool is_arm(Joint joint) {
+  return (joint >= Joint::upper_arm_left && joint < Joint::clavicle_right) ||
+         (joint >= Joint::upper_arm_right && joint < Joint::thigh_left);
+}
+
 Surface surface_of(const recon::TriangleMesh& mesh, const BodyShape& shape) {
   Surface surface{mesh, neighbours_of(mesh), std::vector<double>(mesh.positions.size()),
-                  std::vector<Garment>(mesh.positions.size())};
+                  std::vector<Garment>(mesh.positions.size()), std::vector<std::uint8_t>(mesh.positions.size())};
   tbb::parallel_for(std::size_t{0}, mesh.positions.size(), [&](std::size_t v) {
     const Vector3d p = surface.at(v);
-    surface.garment[v] = shape.place_of(p).worn.garment;
+    const BodyPlace place = shape.place_of(p);
+    surface.garment[v] = place.worn.garment;
+    surface.on_trunk[v] = is_arm(place.joint) ? 0 : 1;
     surface.looseness[v] = surface.garment[v] == Garment::bare ? 0.0 : shape.looseness(p);
   });
   return surface;
@@ -153,6 +161,7 @@ ClothFollower follower_of(const Surface& surface, std::uint32_t vertex, std::uin
   ClothFollower follower;
   follower.vertex = vertex;
   follower.hangs = hangs(surface.garment[vertex]);
+  follower.meets_arms = surface.on_trunk[vertex] != 0;
   double sum = 0.0;
   std::array<double, ClothFollower::kParticles> weight{};
   const double reach = std::max(radius, 1.2 * near.front().first);
@@ -184,11 +193,23 @@ void add_lining(Cloth& cloth, const Surface& surface, const Reach& from_particle
   }
 }
 
-void add_limb(Cloth& cloth, const BodyShape& shape, Joint joint, const Vector3d& from, const Vector3d& to, int pieces) {
+void add_limb(std::vector<LimbCapsule>& limbs, const BodyShape& shape, Joint joint, const Vector3d& from,
+              const Vector3d& to, int pieces) {
   const auto radius = [&](const Vector3d& p) { return std::max(0.0, -shape.bare_distance(p)); };
   for (int i = 0; i < pieces; ++i) {
     const Vector3d a = from + (to - from) * i / pieces, b = from + (to - from) * (i + 1) / pieces;
-    cloth.limbs.push_back({joint, a, b, radius(a), radius(b)});
+    limbs.push_back({joint, a, b, radius(a), radius(b)});
+  }
+}
+
+// The arm swings beside the trunk: from above the elbow, since the rest never leaves it, to the knuckles.
+void add_arms(Cloth& cloth, const BodyShape& shape, const Skeleton& skeleton) {
+  for (const Side side : {Side::left, Side::right}) {
+    const auto at = [&](Joint left) -> Vector3d { return skeleton.joint[index(on_side(left, side))]; };
+    const Vector3d shoulder = at(Joint::upper_arm_left), elbow = at(Joint::forearm_left), wrist = at(Joint::hand_left);
+    add_limb(cloth.arms, shape, on_side(Joint::upper_arm_left, side), shoulder + 0.55 * (elbow - shoulder), elbow, 2);
+    add_limb(cloth.arms, shape, on_side(Joint::forearm_left, side), elbow, wrist, 3);
+    add_limb(cloth.arms, shape, on_side(Joint::hand_left, side), wrist, at(Joint::middle1_left), 1);
   }
 }
 
@@ -196,8 +217,8 @@ void add_legs(Cloth& cloth, const BodyShape& shape, const Skeleton& skeleton) {
   for (const Side side : {Side::left, Side::right}) {
     const auto at = [&](Joint left) -> Vector3d { return skeleton.joint[index(on_side(left, side))]; };
     const Vector3d hip = at(Joint::thigh_left), knee = at(Joint::shank_left), ankle = at(Joint::foot_left);
-    add_limb(cloth, shape, on_side(Joint::thigh_left, side), hip + 0.20 * (knee - hip), knee, 3);
-    add_limb(cloth, shape, on_side(Joint::shank_left, side), knee, knee + 0.8 * (ankle - knee), 3);
+    add_limb(cloth.limbs, shape, on_side(Joint::thigh_left, side), hip + 0.20 * (knee - hip), knee, 3);
+    add_limb(cloth.limbs, shape, on_side(Joint::shank_left, side), knee, knee + 0.8 * (ankle - knee), 3);
   }
 }
 
@@ -217,7 +238,7 @@ Cloth cloth_of(const recon::TriangleMesh& bind, const BodyShape& shape, const Sk
   if (vertices.empty()) return cloth;
   for (const auto v : vertices)
     cloth.particles.push_back({v, surface.looseness[v], std::max(0.0, shape.bare_distance(surface.at(v)) - kSkin),
-                               hangs(surface.garment[v])});
+                               hangs(surface.garment[v]), surface.on_trunk[v] != 0});
   const Reach reach = reach_from(
       surface, vertices, [&](std::size_t v) { return surface.loose(v) || surface.garment[v] == Garment::lining; });
   const Ties ties = ties_between(surface, reach, vertices.size());
@@ -227,6 +248,7 @@ Cloth cloth_of(const recon::TriangleMesh& bind, const BodyShape& shape, const Sk
       cloth.followers.push_back(follower_of(surface, v, reach.source[v], ties, vertices, 2.2 * spacing, 1.0));
   add_lining(cloth, surface, reach, ties, vertices, 2.2 * spacing);
   add_legs(cloth, shape, skeleton);
+  add_arms(cloth, shape, skeleton);
   return cloth;
 }
 

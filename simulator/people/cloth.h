@@ -23,6 +23,7 @@ struct ClothParticle {
   double looseness = 0.0;    // 0 close to the body, 1 hanging free
   double clearance = 0.0;    // how far it may move towards the body
   bool hangs = false;        // about the legs
+  bool meets_arms = false;   // on the trunk: an arm may press it from outside
 };
 
 struct ClothBond {
@@ -36,7 +37,7 @@ struct ClothFollower {
   std::uint32_t vertex = 0;
   std::array<std::uint32_t, kParticles> particle{};
   std::array<float, kParticles> share{};  // sum to 1, less on the lining: 0 where it meets the legs
-  bool hangs = false;
+  bool hangs = false, meets_arms = false;
 };
 
 struct Cloth {
@@ -46,6 +47,7 @@ struct Cloth {
   std::vector<ClothFollower> lining;              // what closes it from below
   std::vector<std::vector<std::uint32_t>> round;  // of each lining vertex: the vertices about it
   std::vector<LimbCapsule> limbs;                 // legs
+  std::vector<LimbCapsule> arms;                  // from above the elbow to the hand
 };
 
 // `spacing`: of the particles.

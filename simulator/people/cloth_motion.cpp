@@ -22,6 +22,7 @@ constexpr double kBend = 2e-4;       // and over a neighbour
 constexpr double kFarthest = 0.17;   // metres from its skinned place
 constexpr double kFastest = 6.0;     // m/s
 constexpr double kOffLimb = 0.008;   // metres cloth keeps off a leg's surface
+constexpr double kOffArm = 0.006;    // and off an arm's
 constexpr double kOffFloor = 0.015;
 constexpr double kSettle = 5.0;     // seconds of warm-up
 constexpr double kClosed = 0.0005;  // metres a round may differ from the one before
@@ -31,9 +32,9 @@ struct PosedLimb {
   double radius_a, radius_b;
 };
 
-std::vector<PosedLimb> posed_limbs(const Cloth& cloth, const JointTransforms& world_from_bind) {
+std::vector<PosedLimb> posed_limbs(const std::vector<LimbCapsule>& limbs, const JointTransforms& world_from_bind) {
   std::vector<PosedLimb> posed;
-  for (const auto& limb : cloth.limbs) {
+  for (const auto& limb : limbs) {
     const auto& carried = world_from_bind[index(limb.joint)];
     posed.push_back({carried * limb.a, carried * limb.b, limb.radius_a, limb.radius_b});
   }
@@ -44,6 +45,20 @@ Vector3d out_of_limbs(const std::vector<PosedLimb>& limbs, double off, Vector3d 
   for (const auto& limb : limbs) {
     const Depth depth = depth_in(limb.a, limb.b, limb.radius_a + off, limb.radius_b + off, p);
     if (depth.metres > 0.0) p += depth.metres * depth.out;
+  }
+  return p;
+}
+
+// An arm presses the cloth inwards, down to the body, which lies `room` below it; where the arm is deeper in than that
+// the cloth stays, as cloth that lies over the arm would.
+Vector3d under_arms(const std::vector<PosedLimb>& arms, double off, double room, const Vector3d& normal, Vector3d p) {
+  for (const auto& arm : arms) {
+    const Depth depth = depth_in(arm.a, arm.b, arm.radius_a + off, arm.radius_b + off, p);
+    const double inwards = -depth.out.dot(normal);
+    if (depth.metres <= 0.0 || inwards < 0.2) continue;
+    const double way = std::min(depth.metres / inwards, room);
+    p -= way * normal;
+    room -= way;
   }
   return p;
 }
@@ -100,7 +115,8 @@ class Simulation {
       places_[i].normal = (turn * person_.bind.normals[vertex].cast<double>()).normalized();
       places_[i].bind_up = turn.col(2);
     }
-    limbs_ = posed_limbs(cloth_, transforms);
+    limbs_ = posed_limbs(cloth_.limbs, transforms);
+    arms_ = posed_limbs(cloth_.arms, transforms);
   }
 
   void run_step(double seconds, double h) {
@@ -154,6 +170,11 @@ class Simulation {
     const double inwards = -offset.dot(places_[i].normal) - particle.clearance;
     if (inwards > 0.0) offset += inwards * places_[i].normal;
     Vector3d p = places_[i].position + offset;
+    if (particle.meets_arms) {
+      const double room =
+          particle.hangs ? kFarthest : std::max(0.0, particle.clearance + offset.dot(places_[i].normal));
+      p = under_arms(arms_, kOffArm, room, places_[i].normal, p);
+    }
     if (particle.hangs) p = out_of_limbs(limbs_, kOffLimb, p);
     p.z() = std::max(p.z(), std::min(kOffFloor, places_[i].position.z()));
     position_[i] = p;
@@ -164,7 +185,7 @@ class Simulation {
   const std::function<Pose(double)>& pose_at_;
   std::vector<double> pull_;
   std::vector<SkinnedPlace> places_;
-  std::vector<PosedLimb> limbs_;
+  std::vector<PosedLimb> limbs_, arms_;
   std::vector<Vector3d> position_, velocity_, before_;
 };
 
@@ -238,7 +259,7 @@ void ClothMotion::move(const Person& person, const JointTransforms& world_from_b
   if (offsets_.empty()) return;
   const Cloth& cloth = person.cloth;
   const auto offsets = offsets_at(seconds);
-  const auto limbs = posed_limbs(cloth, world_from_bind);
+  const auto limbs = posed_limbs(cloth.limbs, world_from_bind);
   std::vector<Vector3f> moved(skinned.positions.size(), Vector3f::Zero());
   for (const auto& follower : cloth.followers) {
     const Vector3f& from = skinned.positions[follower.vertex];

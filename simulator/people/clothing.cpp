@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "simulator/people/garment_colour.h"
+#include "simulator/people/garment_cut.h"
 #include "simulator/people/paint.h"
 #include "simulator/people/skin_colour.h"
 #include "simulator/people/solid_noise.h"
@@ -28,12 +29,6 @@ bool on_trunk(const Spot& spot) {
   return j == Joint::pelvis || j == Joint::spine || j == Joint::chest || j == Joint::neck;
 }
 
-// Coordinates of the cloth: along the garment and round it, in metres.
-Eigen::Vector2d cloth_coordinates(const Spot& spot) {
-  if (on_trunk(spot)) return {spot.p.z(), std::atan2(spot.p.y(), spot.p.x() + 0.01) * 0.15};
-  return {spot.place.along, spot.place.around * 0.055};
-}
-
 Vector3d plaid(const Spot& spot, const Eigen::Vector2d& uv) {
   const Clothing& wear = spot.clothing;
   const double period = wear.check;
@@ -45,8 +40,8 @@ Vector3d plaid(const Spot& spot, const Eigen::Vector2d& uv) {
   }
   Vector3d colour = mix(rgb(wear.shirt), rgb(wear.shirt_check), 0.9 * dark);
   colour = mix(colour, rgb(wear.shirt_line), 0.8 * light);
-  const double twill = std::sin((uv.x() + uv.y()) * 2.0 * std::numbers::pi / 0.0055);
-  return colour * (1.0 + 0.10 * twill + 0.16 * spot.grain(0.006, 11) + 0.10 * spot.grain(0.03, 12));
+  const double twill = std::sin((uv.x() + uv.y()) * 2.0 * std::numbers::pi / 0.0075);
+  return colour * (1.0 + 0.07 * twill + 0.16 * spot.grain(0.006, 11) + 0.10 * spot.grain(0.03, 12));
 }
 
 Vector3d shirt_front(const Spot& spot, Vector3d colour) {
@@ -64,17 +59,19 @@ Vector3d shirt_front(const Spot& spot, Vector3d colour) {
   return colour;
 }
 
-Vector3d shirt_colour(const Spot& spot) {
-  const Eigen::Vector2d uv = cloth_coordinates(spot);
+Vector3d shirt_colour(const BodyShape& shape, const Spot& spot) {
+  const ArmPlace arm = arm_place(spot.p);
+  const Eigen::Vector2d uv = cloth_coordinates(spot.p, arm);
   Vector3d colour = plaid(spot, uv);
-  if (on_trunk(spot)) {
+  if (arm.beyond < 0.0) {
     colour = shirt_front(spot, colour);
     colour *= 1.0 - 0.4 * band(spot.p.z() - 0.912, 0.001, 0.002);  // hem
     const double yoke = band(spot.p.z() - 1.40 + 0.25 * std::abs(spot.p.y()), 0.0012, 0.002);
     colour *= 1.0 - 0.4 * yoke * (spot.p.x() < -0.02 ? 1.0 : 0.0);
   } else {
-    const bool cuff = spot.place.joint == Joint::forearm_left || spot.place.joint == Joint::forearm_right;
-    colour *= 1.0 - 0.4 * band(spot.place.along - 0.030, 0.0012, 0.002) * (cuff ? 1.0 : 0.0);
+    const double to_cuff = cut_of(shape.build().outfit).top.sleeve - arm.along;
+    colour *= 1.0 - 0.4 * band(to_cuff - 0.028, 0.0012, 0.002);
+    colour *= 1.0 - 0.35 * band(arm.beyond - 0.004, 0.0010, 0.002);  // where the sleeve is set in
   }
   return colour;
 }
@@ -102,11 +99,14 @@ Vector3d trousers_colour(const Spot& spot) {
   return colour;
 }
 
-Vector3d shoe_colour(const Spot& spot) {
+Vector3d shoe_colour(const Spot& spot, bool is_laced) {
   const Vector3d& p = spot.p;
-  Vector3d colour = rgb(spot.clothing.shoe) * (1.0 + 0.22 * spot.grain(0.012, 31) + 0.15 * spot.grain(0.035, 32));
+  const double leather = 0.35 + 0.65 * (1.0 - rgb(spot.clothing.shoe).mean());  // pale leather is even
+  Vector3d colour =
+      rgb(spot.clothing.shoe) * (1.0 + leather * (0.16 * spot.grain(0.012, 31) + 0.10 * spot.grain(0.035, 32)));
   const double across = std::abs(p.y()) - 0.195;
-  const bool instep = p.x() > 0.045 && p.x() < 0.125 && p.z() > 0.05;
+  const bool instep =
+      is_laced && p.x() > 0.045 && p.x() < 0.125 && p.z() > 0.05 && p.z() < 0.10 && std::abs(across) < 0.03;
   if (instep) {
     const double lace =
         band(from_line(p.x() + 0.4 * std::abs(across), 0.014), 0.0022, 0.0015) * band(across, 0.020, 0.003);
@@ -115,6 +115,12 @@ Vector3d shoe_colour(const Spot& spot) {
   colour *= 1.0 - 0.4 * band(p.x() - 0.145 + 2.0 * across * across / 0.04, 0.0015, 0.002);  // toe cap
   const double welt = band(p.z() - 0.028, 0.0015, 0.0015) * (from_line(p.x() + p.y(), 0.009) > 0 ? 1.0 : 0.2);
   return mix(colour, Vector3d(0.85, 0.72, 0.45), 0.7 * welt);
+}
+
+// How far a point of the shoe lies within the opening of a court shoe, where the foot shows; metres.
+double court_opening(const Vector3d& p) {
+  const double edge = p.x() > 0.0 ? 0.052 + 2.2 * std::pow(std::max(0.0, 0.085 - p.x()) - 0.085, 2) : 0.068;
+  return p.x() < 0.098 ? p.z() - edge : -1.0;
 }
 
 Vector3d sole_colour(const Spot& spot) {
@@ -126,7 +132,8 @@ Vector3d bare_colour(const BodyShape& shape, const Spot& spot, const Vector3d& p
     case Material::hair:
       return hair_colour(shape, spot.clothing, p);
     case Material::shoe:
-      return shoe_colour(spot);
+      if (shape.build().outfit == Outfit::dress && court_opening(spot.p) > 0.0) break;
+      return shoe_colour(spot, shape.build().outfit != Outfit::dress);
     case Material::sole:
       return sole_colour(spot);
     case Material::skin:
@@ -144,7 +151,7 @@ Vector3d colour_at(const BodyShape& shape, const Clothing& clothing, const Vecto
   const auto clipped = [](const Vector3d& colour) -> Vector3d { return colour.cwiseMax(0.0).cwiseMin(1.0); };
   const Garment garment = place.worn.garment;
   if (garment == Garment::bare) return clipped(bare_colour(shape, spot, p));
-  if (garment == Garment::shirt) return clipped(shirt_colour(spot));
+  if (garment == Garment::shirt) return clipped(shirt_colour(shape, spot));
   if (garment == Garment::trousers && shape.build().outfit == Outfit::loose_shirt)
     return clipped(trousers_colour(spot));
   return clipped(garment_colour(clothing, spot.p, place, shape.build()));

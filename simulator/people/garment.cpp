@@ -13,6 +13,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kTurnUp = 0.088;  // height of the trousers' hem
+constexpr double kEdge = 0.005;    // metres that a cloth's colour goes round its edge
 constexpr double kFar = 0.40;      // no cloth is farther from the body
 
 double hem_of(const Top& top, const Vector3d& q) {
@@ -59,11 +60,14 @@ double top_distance(const Top& top, const Vector3d& q, double body, std::uint32_
 
 // A collar about the neck, laid open in front.
 double collar_distance(const Vector3d& q, double thick) {
-  const Vector3d a(-0.026, 0.0, 1.425), b(-0.010, 0.0, 1.508);
+  const Vector3d a(-0.028, 0.0, 1.435), b(-0.012, 0.0, 1.492);
   const double t = std::clamp((q - a).dot(b - a) / (b - a).squaredNorm(), 0.0, 1.0);
-  const double side = (q - a - t * (b - a)).norm() - (0.088 - 0.016 * t + thick);
-  const double above = (q - b).dot((b - a).normalized()) + 0.25 * std::max(0.0, q.x());
-  return std::max({side, above, 1.420 - q.z()});
+  const double side = (q - a - t * (b - a)).norm() - (0.100 - 0.032 * t + thick);
+  const double front = std::max(0.0, q.x() + 0.02);
+  const double above = (q - b).dot((b - a).normalized()) + 0.30 * front;
+  const double below = 1.462 - 0.30 * front - q.z();  // its points hang lower
+  const double open = q.x() > 0.0 ? 0.8 * (0.004 + 0.40 * (1.490 - q.z()) - std::abs(q.y())) : -1.0;
+  return std::max({side, above, below, open});
 }
 
 double trousers_distance(const Cut& cut, const Vector3d& q, double body, std::uint32_t seed) {
@@ -71,9 +75,10 @@ double trousers_distance(const Cut& cut, const Vector3d& q, double body, std::ui
   const double at_knee = std::exp(-std::pow((q.z() - 0.50) / 0.07, 2));
   const double at_ankle = std::exp(-std::pow((q.z() - 0.14) / 0.06, 2));
   const double ring = solid_noise(Vector3d(q.x() / 0.07, q.y() / 0.07, q.z() / 0.020), seed + 8);
-  const double off = cut.trouser_leg * (0.4 + 0.6 * low) + (0.003 * at_knee + 0.005 * at_ankle) * ring;
-  const double waist = q.z() - 0.98;
-  return smooth_max(body - off, std::max({kTurnUp - q.z(), waist, arm_place(q).beyond}), 0.004);
+  const double off = cut.trouser_leg * (0.4 + 0.6 * low) + (0.0045 * at_knee + 0.006 * at_ankle) * ring;
+  const double waist = q.z() - 0.98, instep = q.x() - 0.058;  // the shoe comes out in front
+  const double before_shoe = q.z() < 0.14 ? instep : -1.0;
+  return smooth_max(body - off, std::max({kTurnUp - q.z(), waist, before_shoe, arm_place(q).beyond}), 0.004);
 }
 
 double bell_distance(const Bell& bell, const BellPlace& place, const Vector3d& q) {
@@ -112,7 +117,7 @@ GarmentPlace Garments::place_of(const Vector3d& q) const {
   if (q.z() > kThroat) return place;
   const bool on_arm = arm.beyond > 0.0;
   if (on_arm) {
-    if (arm.along < cut.top.sleeve) place.garment = cut.top.garment;
+    if (arm.along < cut.top.sleeve + kEdge) place.garment = cut.top.garment;
     return place;
   }
   if (cut.bell && q.z() < cut.bell->top && q.z() > cut.bell->hem - 0.01) {
@@ -129,9 +134,12 @@ GarmentPlace Garments::place_of(const Vector3d& q) const {
       return place;
     }
   }
-  const bool collared =
-      has_collar(outfit_) && q.z() > 1.42 && q.z() < 1.52 && collar_distance(q, 0.5 * cut.top.chest) < 0.004;
-  if (collared || (neckline(cut.top, q) < 0.0 && q.z() > hem_of(cut.top, q) && front_opening(cut.top, q) < 0.0))
+  const double over_hem = std::min(kEdge, 0.3 * cut.top.hip), over_neck = std::min(kEdge, 0.3 * cut.top.chest);
+  const bool is_shirt = cut.top.garment == Garment::shirt && q.z() > 1.38 && q.z() < 1.47;
+  const bool collared = is_shirt || (has_collar(outfit_) && q.z() > 1.42 && q.z() < 1.52 &&
+                                      collar_distance(q, 0.5 * cut.top.chest) < 0.004);
+  if (collared || (neckline(cut.top, q) < over_neck && q.z() > hem_of(cut.top, q) - over_hem &&
+                   front_opening(cut.top, q) < over_hem))
     place.garment = cut.top.garment;
   else if (has_collar(outfit_) && q.z() > hem_of(cut.top, q) && round_neck(cut.top, q) < 0.0)
     place.garment = Garment::undershirt;

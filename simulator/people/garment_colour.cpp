@@ -49,18 +49,9 @@ struct Swatch {
   }
 };
 
-Vector2d cloth_coordinates(const Vector3d& q, const ArmPlace& arm) {
-  if (arm.beyond > 0.0) {
-    const double up = (q.z() - 1.419 + std::abs(q.y()) - 0.18) / std::numbers::sqrt2;
-    return {arm.along, 0.055 * std::atan2(q.x() + 0.014, up)};
-  }
-  if (q.z() < 0.84 && std::abs(q.y()) > 0.0) return {-q.z(), 0.20 * std::atan2(q.y(), q.x() + 0.01)};
-  return {-q.z(), 0.17 * std::atan2(q.y(), q.x() + 0.01)};
-}
-
 // Wales of a fine knit, 3 mm apart, and their stitches.
 Vector3d jersey(const Swatch& s, const Vector3d& yarn) {
-  const double wale = std::sin(kTurn * s.uv.y() / 0.0042), course = std::sin(kTurn * s.uv.x() / 0.0046 + 1.5 * wale);
+  const double wale = std::sin(kTurn * s.uv.y() / 0.0062), course = std::sin(kTurn * s.uv.x() / 0.0064 + 1.5 * wale);
   return yarn * (1.0 + 0.05 * wale + 0.05 * course + 0.08 * s.grain(0.005, 111) + 0.06 * s.grain(0.04, 112));
 }
 
@@ -94,7 +85,7 @@ Vector3d denim(const Swatch& s, const BodyPlace& place) {
   const Vector3d& q = s.q;
   const bool leg = q.z() < 0.80;
   const double round = leg ? place.around * 0.072 : s.uv.y();
-  const double twill = std::sin(kTurn * (q.z() + round) / 0.0048);
+  const double twill = std::sin(kTurn * (q.z() + round) / 0.0068);
   const double slub = solid_noise(Vector3d(q.x() / 0.004, q.y() / 0.004, q.z() / 0.030), s.build.seed + 121);
   const double worn_thigh = std::exp(-std::pow((q.z() - 0.70) / 0.13, 2)) * std::exp(-std::pow(place.around / 0.75, 2));
   const double worn_knee = std::exp(-std::pow((q.z() - 0.50) / 0.06, 2)) * (q.x() > 0.02 ? 1.0 : 0.25);
@@ -259,7 +250,9 @@ Vector3d coat_colour(const Swatch& s) {
 
 Vector3d garment_colour(const Clothing& clothing, const Vector3d& q, const BodyPlace& place, const BodyBuild& build) {
   const ArmPlace arm = arm_place(q);
-  const Swatch s{clothing, cut_of(build.outfit), build, q, place.worn.garment, arm, cloth_coordinates(q, arm)};
+  const bool hangs = place.worn.garment == Garment::skirt;
+  const Vector2d uv = hangs ? Vector2d(-q.z(), 0.20 * std::atan2(q.y(), q.x() + 0.01)) : cloth_coordinates(q, arm);
+  const Swatch s{clothing, cut_of(build.outfit), build, q, place.worn.garment, arm, uv};
   switch (s.garment) {
     case Garment::tee:
       return tee_colour(s);

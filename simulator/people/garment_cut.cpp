@@ -22,13 +22,13 @@ double pleat(const Bell& bell, std::uint32_t seed, double angle, double down) {
 
 // To add an outfit: a row here and in the enumeration.
 constexpr std::array<Cut, 4> kCuts = {{
-    {{Garment::shirt, 0.905, 0.030, 0.36, 0.072, 1.435, 0.004, 0.012, 0.020, 0.008, 0.030, 0.98}, std::nullopt, 0.003},
+    {{Garment::shirt, 0.905, 0.030, 0.36, 0.072, 1.435, 0.004, 0.012, 0.020, 0.008, 0.0, 0.0}, std::nullopt, 0.003},
     {{Garment::tee, 0.925, 0.0, 0.185, 0.076, 1.425, 0.003, 0.005, 0.007, 0.008, 0.0, 0.0}, std::nullopt, 0.013},
     {{Garment::bodice, 1.030, 0.0, 0.045, 0.105, 1.350, 0.002, 0.002, 0.004, 0.003, 0.0, 0.0},
      Bell{1.085, 0.560, 0.095, 0.125, 0.245, 0.275, 11, 0.020, 0.13, 0.0},
      0.0},
     {{Garment::coat, 0.900, 0.0, 0.555, 0.074, 1.275, 0.012, 0.015, 0.020, 0.014, 0.0, 0.0},
-     Bell{1.150, 0.600, 0.120, 0.150, 0.195, 0.262, 6, 0.012, 0.10, 0.030},
+     Bell{1.150, 0.600, 0.120, 0.150, 0.195, 0.262, 6, 0.012, 0.10, 0.0},
      0.004},
 }};
 
@@ -43,6 +43,18 @@ ArmPlace arm_place(const Vector3d& q) {
   const double out = std::abs(q.y()) - kShoulder.y(), down = kShoulder.z() - q.z();
   constexpr double kTan = 0.41421356;  // of half the angle between the arm and the trunk
   return {(out - kTan * down) / std::hypot(1.0, kTan), (out + down) / std::numbers::sqrt2};
+}
+
+Eigen::Vector2d cloth_coordinates(const Vector3d& q, const ArmPlace& arm) {
+  if (arm.beyond > 0.0) {
+    const double up = (q.z() - kShoulder.z() + std::abs(q.y()) - kShoulder.y()) / std::numbers::sqrt2;
+    return {arm.along, 0.055 * std::atan2(q.x() - kShoulder.x(), up)};
+  }
+  constexpr double kSeam = -0.015, kFlat = 0.060;  // x of the side seam; how far from it a panel lies flat
+  const double from_seam = std::abs(q.x() - kSeam);
+  const double across = std::abs(q.y()) + 0.75 * std::max(0.0, kFlat - from_seam);
+  const double over = ramp(q.z(), 1.36, 1.46) * 0.8 * std::max(0.0, 0.075 - from_seam);
+  return {-q.z() - over, std::copysign(across, q.y())};
 }
 
 BellPlace bell_place(const Bell& bell, double girth, std::uint32_t seed, const Vector3d& q) {

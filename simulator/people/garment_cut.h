@@ -18,6 +18,10 @@ struct ArmPlace {
   double along;   // from the shoulder joint to the hand
 };
 ArmPlace arm_place(const Eigen::Vector3d& q);
+// Metres along the cloth and across it, as it lies on a table: sleeves are rolled out, front and back are panels that
+// meet at the side seam and run over the shoulders.
+Eigen::Vector2d cloth_coordinates(const Eigen::Vector3d& q, const ArmPlace& arm);
+
 inline constexpr double kThroat = 1.510;                  // height above which nothing is worn
 inline constexpr double kElbow = 0.308, kWrist = 0.5635;  // `along`
 

@@ -86,7 +86,7 @@ double layer(const BodyBuild& build, const Vector3d& q) {
       thick = 0.007 + 0.004 * top;
       break;
   }
-  return build.hair_volume * thick * (1.0 + 0.16 * locks(build, q));
+  return build.hair_volume * thick * (1.0 + (build.hair == HairStyle::short_cut ? 0.30 : 0.18) * locks(build, q));
 }
 
 // Falls to the jaw on both sides and behind, open in front.
@@ -112,18 +112,22 @@ double bun(const BodyBuild& build, const Vector3d& q) {
 
 }  // namespace
 
+// Single strands before the dense hair: across 2 mm, along 2 cm.
 double hair_cover(const BodyBuild& build, const Vector3d& q) {
   if (build.hair == HairStyle::bald) return 0.0;
-  const double ragged = 0.003 * solid_noise(q / 0.006, build.seed + 303);
-  return smooth_step(q.z() - hairline(q) + ragged, -0.004, 0.016);
+  const double round = 0.085 * std::atan2(q.y(), q.x() + 0.03);
+  const Vector3d along(round / 0.0021, q.z() / 0.022, q.x() / 0.022);
+  const double ragged = 0.009 * solid_noise(along, build.seed + 303) + 0.004 * solid_noise(q / 0.018, build.seed + 304);
+  return smooth_step(q.z() - hairline(q) + ragged, 0.000, 0.010);
 }
 
 double hair_distance(const BodyBuild& build, const Vector3d& q) {
   if (build.hair == HairStyle::bald) return kNone;
   const double scalp = skull(q);
   if (scalp > 0.2) return scalp - 0.1;
-  const double cover = hair_cover(build, q);
-  double d = scalp + 0.020 * (1.0 - cover) - cover * layer(build, q);
+  // Thickens over 5 cm from the hairline, below which it lies under the skin.
+  const double beyond = q.z() - hairline(q);
+  double d = scalp - (beyond > 0.0 ? layer(build, q) * smooth_step(beyond, -0.004, 0.048) : 0.35 * beyond);
   if (build.hair == HairStyle::bob) d = smooth_min(d, bob(build, q), 0.012);
   if (build.hair == HairStyle::ponytail) d = smooth_min(d, ponytail(build, q), 0.012);
   if (build.hair == HairStyle::bun) d = smooth_min(d, bun(build, q), 0.008);

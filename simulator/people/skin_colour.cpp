@@ -37,8 +37,9 @@ bool is_left(Joint joint) {
 Vector3d finger_colour(const BodyPlace& place, double scale, Vector3d colour) {
   const bool last = (index(place.joint) - index(Joint::thumb1_left)) % 2 == (is_left(place.joint) ? 1U : 0U);
   const double along = place.along / scale, left = place.to_end / scale;
-  for (const double crease : {0.000, 0.0022, 0.024})
-    colour = mix(colour, colour * 0.84, band(along - crease, 0.0003, 0.0012));
+  if (last)
+    for (const double crease : {0.000, 0.0024})
+      colour = mix(colour, colour * 0.90, band(along - crease, 0.0003, 0.0012));
   colour = colour.cwiseProduct(last ? Vector3d(1.0, 0.90, 0.87) : Vector3d(1.0, 0.95, 0.93));
   if (!last) return colour;
   const double back = (is_left(place.joint) ? -0.5 : 0.5) * std::numbers::pi;
@@ -50,6 +51,13 @@ Vector3d finger_colour(const BodyPlace& place, double scale, Vector3d colour) {
 
 Vector3d hand_colour(const BodyPlace& place, const Vector3d& colour) {
   return colour.cwiseProduct(mix(Vector3d::Ones(), Vector3d(1.0, 0.93, 0.91), step_up(place.along - 0.02, 0.05)));
+}
+
+// The shadow within the bowl of the ear and under its rim.
+double ear_hollow(const Vector3d& q) {
+  const double bowl = disc(q.x() + 0.008, q.z() - 1.6255, 0.006, 0.006);
+  const double rim = band(std::hypot(q.x() + 0.0165, 0.85 * (q.z() - 1.6410)) - 0.0105, 0.0008, 0.0022);
+  return std::max(bowl, 0.6 * rim * step_up(q.z() - 1.630, 0.01));
 }
 
 }  // namespace
@@ -74,6 +82,7 @@ Vector3d skin_colour(const BodyShape& shape, const Clothing& look, const Vector3
   colour = mix(colour, colour.cwiseProduct(Vector3d(0.98, 0.86, 0.83)), ear);
   if (head.x() > 0.010) colour = face_colour(build, look, head, colour);
   const double roots = hair_cover(build, head) * (0.8 + 0.5 * solid_noise(head / 0.0020, build.seed + 57));
+  colour *= 1.0 - 0.35 * ear * ear_hollow(head);
   return mix(colour, rgb(look.hair) * 0.85, (1.0 - ear) * roots);
 }
 
@@ -97,11 +106,17 @@ Vector3d hair_colour(const BodyShape& shape, const Clothing& look, const Vector3
   const auto strands = [&](const Vector3d& at, std::uint32_t channel) {
     return 0.55 * solid_noise(at, build.seed + channel) + 0.45 * solid_noise(at * 0.31, build.seed + channel + 1);
   };
-  const double strand = (1.0 - top) * strands(falls, 71) + top * strands(combed, 73);
+  double strand = (1.0 - top) * strands(falls, 71) + top * strands(combed, 73);
   const double sheen = band(q.z() - 1.712 + 0.02 * strand, 0.004, 0.022);
+  if (q.x() < -0.115) strand = strands(Vector3d(q.y() / 0.0016, q.z() / 0.060, q.x() / 0.0050), 77);  // a tail hangs
   Vector3d colour = rgb(look.hair) * (1.0 + 0.75 * strand + 0.20 * solid_noise(q / 0.03, build.seed + 75));
   colour = mix(colour, colour * 1.45 + Vector3d::Constant(0.02), 0.45 * sheen);
-  return colour.cwiseMax(0.35 * rgb(look.hair));
+  colour = colour.cwiseMax(0.35 * rgb(look.hair));
+  const bool is_edge =
+      q.x() > -0.05 && build.hair != HairStyle::bald &&
+      q.z() > (build.hair == HairStyle::bob ? 1.665 : 1.560);  // the scalp shows between the strands there
+  return is_edge ? mix(skin_colour(shape, look, p, {Material::skin, Joint::head}), colour, hair_cover(build, q))
+                 : colour;
 }
 
 }  // namespace rotunda::simulator
