@@ -116,7 +116,7 @@ bool holds_one_sheet(unsigned inside) {
 
 enum class Border { free, kept };  // kept: a finer lattice shares its border's samples with the coarse one
 
-bool on_border(const Lattice& lattice, const Index& i);
+int from_border(const Lattice& lattice, const Index& i);
 
 // The nearest outer corner joins the body; true if something changed ("well-composed" pictures, Latecki 1997).
 bool compose_cell(Lattice& lattice, Border border, const Index& cell) {
@@ -130,7 +130,7 @@ bool compose_cell(Lattice& lattice, Border border, const Index& cell) {
   float* nearest = nullptr;
   for (unsigned c = 0; c < 8; ++c) {
     if ((inside >> c) & 1U) continue;
-    if (border == Border::kept && on_border(lattice, corner_of(cell, c))) continue;
+    if (border == Border::kept && from_border(lattice, corner_of(cell, c)) == 0) continue;
     if (nearest == nullptr || *corner[c] < *nearest) nearest = corner[c];
   }
   if (nearest == nullptr) return false;
@@ -158,12 +158,6 @@ CellBox box_in(const Lattice& coarse, const FinerBox& finer) {
   return box;
 }
 
-bool on_border(const Lattice& lattice, const Index& i) {
-  for (std::size_t a = 0; a < 3; ++a)
-    if (i[a] == 0 || i[a] == lattice.cells[a]) return true;
-  return false;
-}
-
 // The coarse samples about a fine one, blended (trilinear).
 float from_coarse(const Lattice& coarse, const Lattice& fine, const Index& i) {
   Index base{};
@@ -181,13 +175,23 @@ float from_coarse(const Lattice& coarse, const Lattice& fine, const Index& i) {
   return static_cast<float>(sum);
 }
 
+// Fine cells from a sample to the border.
+int from_border(const Lattice& lattice, const Index& i) {
+  int least = i[0];
+  for (std::size_t a = 0; a < 3; ++a) least = std::min({least, i[a], lattice.cells[a] - i[a]});
+  return least;
+}
+
 // On the border the fine lattice knows only what the coarse one does: then each coarse cell that adjoins it still holds
-// one sheet.
+// one sheet. Within a coarse cell of it the two are blended: a step between them could leave a cell with two sheets.
 void share_border(const Lattice& coarse, Lattice& fine) {
   for (Index i{}; i[2] < fine.samples(2); ++i[2])
     for (i[1] = 0; i[1] < fine.samples(1); ++i[1])
-      for (i[0] = 0; i[0] < fine.samples(0); ++i[0])
-        if (on_border(fine, i)) fine.distance[fine.sample(i)] = from_coarse(coarse, fine, i);
+      for (i[0] = 0; i[0] < fine.samples(0); ++i[0]) {
+        const float own = std::min(1.0F, static_cast<float>(from_border(fine, i)) / static_cast<float>(fine.factor));
+        float& distance = fine.distance[fine.sample(i)];
+        if (own < 1.0F) distance = own * distance + (1.0F - own) * from_coarse(coarse, fine, i);
+      }
 }
 
 Lattice make_finer(const Lattice& coarse, const FinerBox& finer, const DistanceAt& distance) {
