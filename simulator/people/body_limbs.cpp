@@ -83,11 +83,16 @@ void add_shoe(PartList& body, Side side) {
                         from_ankle(0.182, 0.0, 0.031), 0.034, 0.025, 0.012);
   toe.across = Vector3d::UnitY();
   toe.flatness = 1.28;
+  auto& counter = body.cone(on(Joint::foot_left), Material::shoe, from_ankle(-0.031, 0, 0.030),
+                            from_ankle(0.125, 0.002, 0.030), 0.0325, 0.0395, 0.008);  // the upper stands on the sole
+  auto& rand = body.cone(on(Joint::toes_left), Material::shoe, from_ankle(0.125, 0.002, 0.028),
+                         from_ankle(0.180, 0.0, 0.026), 0.0395, 0.0300, 0.008);
+  for (auto* low : {&counter, &rand}) low->across = Vector3d::UnitZ(), low->flatness = 0.60;
   for (const double front : {0.0, 1.0}) {  // the sole, in two pieces that bend at the ball
     auto& sole = body.cone(front > 0 ? on(Joint::toes_left) : on(Joint::foot_left), Material::sole,
-                           front > 0 ? Vector3d(toes.x(), toes.y(), 0.012 * scale) : from_ankle(-0.036, 0, 0.012),
+                           front > 0 ? Vector3d(toes.x(), toes.y(), 0.012 * scale) : from_ankle(-0.032, 0, 0.012),
                            front > 0 ? from_ankle(0.180, 0, 0.012) : from_ankle(0.125, 0, 0.012),
-                           front > 0 ? 0.044 : 0.036, front > 0 ? 0.036 : 0.043, 0.004);
+                           front > 0 ? 0.0425 : 0.0345, front > 0 ? 0.0325 : 0.0415, 0.004);
     sole.across = Vector3d::UnitZ();
     sole.flatness = 0.30;
   }

@@ -17,9 +17,9 @@ namespace {
 using Eigen::Vector3d;
 using Neighbours = std::vector<std::vector<std::uint32_t>>;
 
-constexpr double kBodyCell = 0.0165;    // metres, of a body of 1.75 m
+constexpr double kBodyCell = 0.0171;    // metres, of a body of 1.75 m
 constexpr double kHangingCell = 1.07;   // as many triangles again go into a skirt or coat
-constexpr double kFingerCell = 0.0045;  // fingers stand 5 mm apart, so this one is no coarser for a coarser body
+constexpr double kFingerCell = 0.0048;  // fingers stand 5 mm apart, so this one is no coarser for a coarser body
 
 // About the hand, from the wrist on.
 FinerBox hand_box(const Skeleton& skeleton, Side side, double cell) {
@@ -34,7 +34,7 @@ FinerBox hand_box(const Skeleton& skeleton, Side side, double cell) {
 FinerBox foot_box(const Skeleton& skeleton, Side side) {
   const double h = skeleton.height;
   const Vector3d ankle = skeleton.joint[index(on_side(Joint::foot_left, side))];
-  return {{ankle.x() - 0.055 * h, ankle.y() - 0.042 * h, -0.01},
+  return {{ankle.x() - 0.055 * h, ankle.y() - 0.042 * h, -0.03},
           {ankle.x() + 0.135 * h, ankle.y() + 0.042 * h, 0.078 * h},  // above hem and shoe
           2};
 }
@@ -42,11 +42,11 @@ FinerBox foot_box(const Skeleton& skeleton, Side side) {
 GradedLatticeOptions lattice_for(const Skeleton& skeleton, double hanging, double coarseness) {
   const double h = skeleton.height;
   const double reach = skeleton.joint[index(Joint::hand_left)].y() + 0.11 * h;
-  GradedLatticeOptions lattice{.low = {-std::max(0.14 * h, hanging), -reach, -0.03},
+  GradedLatticeOptions lattice{.low = {-std::max(0.14 * h, hanging), -reach, -0.05},
                                .high = {std::max(0.16 * h, hanging), reach, 1.03 * h},
                                .cell = kBodyCell * coarseness * h / 1.75 * (hanging > 0.0 ? kHangingCell : 1.0)};
   const Vector3d head = skeleton.joint[index(Joint::head)];
-  lattice.finer.push_back({head + h * Vector3d(-0.075, -0.058, -0.030), head + h * Vector3d(0.085, 0.058, 0.135), 3});
+  lattice.finer.push_back({head + h * Vector3d(-0.075, -0.062, -0.080), head + h * Vector3d(0.085, 0.062, 0.135), 3});
   for (const Side side : {Side::left, Side::right}) {
     lattice.finer.push_back(hand_box(skeleton, side, lattice.cell));
     lattice.finer.push_back(foot_box(skeleton, side));

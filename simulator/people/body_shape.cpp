@@ -230,8 +230,9 @@ BodyPlace BodyShape::place_on(std::size_t part_index, const Vector3d& p) const {
   place.along = axial ? from.dot(axis) : -p.z();
   place.to_end = (part.b - part.a).norm() - place.along;
   place.around = std::atan2(from.dot(side), from.dot(front));
-  if (place.material != Material::shoe && place.material != Material::sole && place.material != Material::hair)
-    place.worn = garments_.place_of(p * (kReferenceHeight / build_.height));
+  if (place.material == Material::sole || place.material == Material::hair) return place;
+  const GarmentPlace worn = garments_.place_of(p * (kReferenceHeight / build_.height));
+  if (place.material != Material::shoe || worn.garment == Garment::trousers) place.worn = worn;  // they hang over it
   return place;
 }
 

@@ -58,15 +58,16 @@ double top_distance(const Top& top, const Vector3d& q, double body, std::uint32_
   return smooth_max(cloth, std::max({sleeve, trunk, front_opening(top, q)}), 0.004);
 }
 
-// A collar about the neck, laid open in front.
-double collar_distance(const Vector3d& q, double thick) {
+// A collar about the neck, laid open in front; lapels take its place there.
+double collar_distance(const Vector3d& q, double thick, bool has_lapels) {
   const Vector3d a(-0.028, 0.0, 1.435), b(-0.012, 0.0, 1.492);
   const double t = std::clamp((q - a).dot(b - a) / (b - a).squaredNorm(), 0.0, 1.0);
   const double side = (q - a - t * (b - a)).norm() - (0.100 - 0.032 * t + thick);
   const double front = std::max(0.0, q.x() + 0.02);
   const double above = (q - b).dot((b - a).normalized()) + 0.30 * front;
   const double below = 1.462 - 0.30 * front - q.z();  // its points hang lower
-  const double open = q.x() > 0.0 ? 0.8 * (0.004 + 0.40 * (1.490 - q.z()) - std::abs(q.y())) : -1.0;
+  double open = q.x() > 0.0 ? 0.8 * (0.004 + 0.40 * (1.490 - q.z()) - std::abs(q.y())) : -1.0;
+  if (has_lapels) open = 0.8 * (q.x() - 0.010);
   return std::max({side, above, below, open});
 }
 
@@ -76,7 +77,7 @@ double trousers_distance(const Cut& cut, const Vector3d& q, double body, std::ui
   const double at_ankle = std::exp(-std::pow((q.z() - 0.14) / 0.06, 2));
   const double ring = solid_noise(Vector3d(q.x() / 0.07, q.y() / 0.07, q.z() / 0.020), seed + 8);
   const double off = cut.trouser_leg * (0.4 + 0.6 * low) + (0.0045 * at_knee + 0.006 * at_ankle) * ring;
-  const double waist = q.z() - 0.98, instep = q.x() - 0.058;  // the shoe comes out in front
+  const double waist = q.z() - 0.98, instep = q.x() - cut.instep;  // the shoe comes out in front
   const double before_shoe = q.z() < 0.14 ? instep : -1.0;
   return smooth_max(body - off, std::max({kTurnUp - q.z(), waist, before_shoe, arm_place(q).beyond}), 0.004);
 }
@@ -105,7 +106,8 @@ double Garments::distance(const Vector3d& q, double body) const {
   const Cut& cut = cut_of(outfit_);
   double d = smooth_min(body, top_distance(cut.top, q, body, seed_), 0.003);
   if (cut.trouser_leg > 0.0 && q.z() < 1.02) d = smooth_min(d, trousers_distance(cut, q, body, seed_), 0.003);
-  if (has_collar(outfit_) && q.z() > 1.38) d = smooth_min(d, collar_distance(q, 0.5 * cut.top.chest), 0.006);
+  if (has_collar(outfit_) && q.z() > 1.38)
+    d = smooth_min(d, collar_distance(q, 0.5 * cut.top.chest, cut.bell.has_value()), 0.006);
   if (!cut.bell || q.z() > cut.bell->top + 0.1 || q.z() < cut.bell->hem - 0.1) return d;
   return smooth_min(d, bell_distance(*cut.bell, bell_place(*cut.bell, girth_, seed_, q), q), 0.010);
 }
@@ -137,11 +139,11 @@ GarmentPlace Garments::place_of(const Vector3d& q) const {
   const double over_hem = std::min(kEdge, 0.3 * cut.top.hip), over_neck = std::min(kEdge, 0.3 * cut.top.chest);
   const bool is_shirt = cut.top.garment == Garment::shirt && q.z() > 1.38 && q.z() < 1.47;
   const bool collared = is_shirt || (has_collar(outfit_) && q.z() > 1.42 && q.z() < 1.52 &&
-                                      collar_distance(q, 0.5 * cut.top.chest) < 0.004);
+                                     collar_distance(q, 0.5 * cut.top.chest, cut.bell.has_value()) < 0.004);
   if (collared || (neckline(cut.top, q) < over_neck && q.z() > hem_of(cut.top, q) - over_hem &&
                    front_opening(cut.top, q) < over_hem))
     place.garment = cut.top.garment;
-  else if (has_collar(outfit_) && q.z() > hem_of(cut.top, q) && round_neck(cut.top, q) < 0.0)
+  else if (outfit_ == Outfit::coat && q.z() > hem_of(cut.top, q) && round_neck(cut.top, q) < 0.0)
     place.garment = Garment::undershirt;
   else if (cut.trouser_leg > 0.0 && q.z() < 1.0 && q.z() > kTurnUp - 0.004)
     place.garment = Garment::trousers;

@@ -22,14 +22,19 @@ double pleat(const Bell& bell, std::uint32_t seed, double angle, double down) {
 
 // To add an outfit: a row here and in the enumeration.
 constexpr std::array<Cut, 4> kCuts = {{
-    {{Garment::shirt, 0.905, 0.030, 0.36, 0.072, 1.435, 0.004, 0.012, 0.020, 0.008, 0.0, 0.0}, std::nullopt, 0.003},
-    {{Garment::tee, 0.925, 0.0, 0.185, 0.076, 1.425, 0.003, 0.005, 0.007, 0.008, 0.0, 0.0}, std::nullopt, 0.013},
+    {{Garment::shirt, 0.905, 0.030, 0.36, 0.072, 1.435, 0.004, 0.012, 0.020, 0.008, 0.0, 0.0},
+     std::nullopt,
+     0.003,
+     0.058},
+    {{Garment::tee, 0.925, 0.0, 0.185, 0.076, 1.425, 0.003, 0.005, 0.007, 0.008, 0.0, 0.0}, std::nullopt, 0.013, 0.044},
     {{Garment::bodice, 1.030, 0.0, 0.045, 0.105, 1.350, 0.002, 0.002, 0.004, 0.003, 0.0, 0.0},
      Bell{1.085, 0.560, 0.095, 0.125, 0.245, 0.275, 11, 0.020, 0.13, 0.0},
+     0.0,
      0.0},
     {{Garment::coat, 0.900, 0.0, 0.555, 0.074, 1.275, 0.012, 0.015, 0.020, 0.014, 0.0, 0.0},
      Bell{1.150, 0.600, 0.120, 0.150, 0.195, 0.262, 6, 0.012, 0.10, 0.0},
-     0.004},
+     0.004,
+     0.058},
 }};
 
 }  // namespace
@@ -72,7 +77,7 @@ BellPlace bell_place(const Bell& bell, double girth, std::uint32_t seed, const V
   place.radius = (side + reach) / reach;
   constexpr double kCosine = 0.93;  // of the bell's slope
   place.outside = kCosine * side;
-  const double inner = std::min(1.0, place.radius);
+  const double inner = std::min(1.0, place.radius / 0.88);  // flat next to the hem: a sharper edge would have teeth
   place.underside = 0.75 * (bell.hem + bell.hollow * (1.0 - inner * inner) - q.z());
   return place;
 }

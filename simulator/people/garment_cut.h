@@ -62,6 +62,7 @@ struct Cut {
   Top top;
   std::optional<Bell> bell;
   double trouser_leg;  // how far trousers stand off the leg at the ankle; 0: the legs are bare
+  double instep;       // how far trousers reach before the ankle, over the shoe
 };
 const Cut& cut_of(Outfit outfit);
 

@@ -112,11 +112,11 @@ Vector3d hair_colour(const BodyShape& shape, const Clothing& look, const Vector3
   Vector3d colour = rgb(look.hair) * (1.0 + 0.75 * strand + 0.20 * solid_noise(q / 0.03, build.seed + 75));
   colour = mix(colour, colour * 1.45 + Vector3d::Constant(0.02), 0.45 * sheen);
   colour = colour.cwiseMax(0.35 * rgb(look.hair));
-  const bool is_edge =
-      q.x() > -0.05 && build.hair != HairStyle::bald &&
-      q.z() > (build.hair == HairStyle::bob ? 1.665 : 1.560);  // the scalp shows between the strands there
-  return is_edge ? mix(skin_colour(shape, look, p, {Material::skin, Joint::head}), colour, hair_cover(build, q))
-                 : colour;
+  if (q.x() < -0.05 || q.z() < 1.560 || build.hair == HairStyle::bald) return colour;
+  // The scalp shows between the strands, but for where a bob falls over the skin.
+  const double falling = build.hair == HairStyle::bob ? step_up(std::max(1.668 - q.z(), 0.030 - q.x()), 0.014) : 0.0;
+  const double cover = std::max(hair_cover(build, q), falling);
+  return mix(skin_colour(shape, look, p, {Material::skin, Joint::head}), colour, cover);
 }
 
 }  // namespace rotunda::simulator

@@ -113,6 +113,47 @@ TEST(ClothMotion, CloseFitStaysWhereTheSkinCarriesIt) {
   }
 }
 
+// How deep loose cloth of the trunk lies in the arms, metres; a particle is where its own joints' mean carries it.
+double deepest_in_arms(const Person& person, const JointTransforms& transforms,
+                       const std::vector<Eigen::Vector3f>& offsets) {
+  double deepest = -1.0;
+  for (std::size_t i = 0; i < offsets.size(); ++i) {
+    const auto& particle = person.cloth.particles[i];
+    if (!particle.meets_arms) continue;
+    const auto& weights = person.weights[particle.vertex];
+    const auto bind = person.bind.positions[particle.vertex].cast<double>();
+    Eigen::Vector3d p = offsets[i].cast<double>();
+    for (std::size_t k = 0; k < weights.joint.size(); ++k)
+      p += static_cast<double>(weights.weight[k]) * (transforms[weights.joint[k]] * bind);
+    for (const auto& arm : person.cloth.arms) {
+      const auto& carried = transforms[index(arm.joint)];
+      deepest = std::max(deepest, depth_in(carried * arm.a, carried * arm.b, arm.radius_a, arm.radius_b, p).metres);
+    }
+  }
+  return deepest;
+}
+
+class LooseCloth : public testing::TestWithParam<Outfit> {};
+
+TEST_P(LooseCloth, KeepsOutOfTheArms) {
+  const Person person = dressed(GetParam());
+  ASSERT_TRUE(recon::topology_of(person.bind).is_sphere());
+  for (const std::string act : {"jog", "dance"}) {
+    const Motion motion = motion_of(act, person.skeleton);
+    const ClothMotion cloth(person, motion.pose_at, {.frames = 300, .is_cyclic = false, .frame_seconds = kActStep});
+    for (int frame = 0; frame < 300; ++frame) {
+      const double seconds = frame * kActStep;
+      const auto offsets = cloth.offsets_at(seconds);
+      for (const auto& offset : offsets) ASSERT_TRUE(offset.allFinite()) << act << " frame " << frame;
+      if (frame % 10 != 0) continue;
+      const auto transforms = joint_transforms(person.skeleton, motion.pose_at(seconds));
+      EXPECT_LT(deepest_in_arms(person, transforms, offsets), 0.004) << act << " frame " << frame;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(ClothMotion, LooseCloth, testing::Values(Outfit::loose_shirt, Outfit::coat));
+
 // Head over heels in 1.2 s with legs that kick: no act is wilder.
 TEST(ClothMotion, HoldsTogetherUpsideDown) {
   const Person person = dressed(Outfit::dress);
