@@ -1,10 +1,13 @@
 #include "simulator/people/bvh_motion.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <memory>
 
 #include "simulator/people/bvh_skeleton.h"
+#include "simulator/people/footfall.h"
 
 namespace rotunda::simulator {
 namespace {
@@ -252,6 +255,17 @@ Sole sole_of(const Skeleton& skeleton, const JointTransforms& transforms, Side s
   return {height(foot, foot, -0.03), height(toes, foot, 0.0), height(toes, toes, 0.045)};
 }
 
+std::vector<HeelStrike> strikes_of(const Motion& motion, const Skeleton& skeleton, double frame_time) {
+  const auto heels_at = [&](double seconds) -> std::array<double, 2> {
+    const auto transforms = joint_transforms(skeleton, motion.pose_at(seconds));
+    return {sole_of(skeleton, transforms, Side::left).heel, sole_of(skeleton, transforms, Side::right).heel};
+  };
+  return find_heel_strikes(heels_at, {.duration = motion.frames * kActStep,
+                                      .is_cyclic = motion.is_cyclic,
+                                      .person_height = skeleton.height,
+                                      .step = std::max(0.005, 0.25 * frame_time)});
+}
+
 // On the floor is what the lowest sole does in the lower tenth of the frames: it may leave it, and a glitch may dip
 // below.
 void stand_on_floor(const Skeleton& skeleton, std::vector<Pose>& poses) {
@@ -266,10 +280,23 @@ void stand_on_floor(const Skeleton& skeleton, std::vector<Pose>& poses) {
   for (auto& pose : poses) pose.pelvis.z() -= *tenth;
 }
 
-void centre(std::vector<Pose>& poses) {
+// The ground the path covers, metres.
+Eigen::Vector2d centre(std::vector<Pose>& poses) {
   Eigen::AlignedBox3d box;
   for (const auto& pose : poses) box.extend(pose.pelvis);
   for (auto& pose : poses) pose.pelvis.head<2>() -= box.center().head<2>();
+  return box.sizes().head<2>();
+}
+
+// For the user: cameras that stand about the middle may lose who goes far.
+void tell_path(const Eigen::Vector2d& covered, std::vector<std::string>& notes) {
+  constexpr double kAtTheSpot = 1.0;
+  const Eigen::Vector2d stage(3.0, 2.0);
+  if ((covered.array() < kAtTheSpot).all()) return;
+  notes.push_back(fmt::format("its path covers {:.1f} x {:.1f} m{}", covered.x(), covered.y(),
+                              (covered.array() > stage.array()).any()
+                                  ? ", more than the stage of 3 x 2 m: no camera sees all of it"
+                                  : ": --whole-volume gives the cameras lenses that hold all of the stage"));
 }
 
 Pose between(const Pose& a, const Pose& b, double share) {
@@ -295,9 +322,9 @@ ImportedMotion import_motion(const recon::BvhMotion& bvh, const std::string& nam
   for (std::size_t frame = 0; frame < bvh.frames; ++frame)
     poses.push_back(retargeting.pose(recon::joint_transforms(bvh, frame)));
   stand_on_floor(skeleton, poses);
-  centre(poses);
   ImportedMotion imported;
   imported.notes = source.notes;
+  tell_path(centre(poses), imported.notes);
   Motion& motion = imported.motion;
   motion.name = name;
   const double steps = bvh.duration() / kActStep, whole = std::round(steps);
@@ -311,6 +338,7 @@ ImportedMotion import_motion(const recon::BvhMotion& bvh, const std::string& nam
                next = std::min(frame + 1, poses->size() - 1);
     return between((*poses)[frame], (*poses)[next], place - static_cast<double>(frame));
   };
+  motion.heel_strikes = strikes_of(motion, skeleton, bvh.frame_time);
   return imported;
 }
 

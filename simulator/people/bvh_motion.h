@@ -20,7 +20,7 @@ struct ImportedMotion {
 };
 
 // `name`: of the motion, and for messages. Throws InvalidInput if pelvis, legs and trunk cannot be told by their names.
-// Heel strikes are not looked for.
+// Heel strikes are those of footfall.h.
 ImportedMotion import_motion(const recon::BvhMotion& bvh, const std::string& name, const Skeleton& skeleton);
 
 }  // namespace rotunda::simulator

@@ -8,6 +8,7 @@
 
 #include "config/errors.h"
 #include "simulator/people/joint_names.h"
+#include "simulator/people/length_unit.h"
 
 namespace rotunda::simulator {
 namespace {
@@ -39,6 +40,28 @@ std::optional<Joint> limb_joint(const NamedJoint& named) {
   }
 }
 
+// The joint of the spine that carries an arm; the uppermost if none is seen to.
+std::size_t chest_among(const recon::BvhMotion& bvh, const std::vector<int>& spine, const BvhSkeleton& skeleton) {
+  for (const Joint arm : {Joint::upper_arm_left, Joint::upper_arm_right})
+    for (int j = skeleton.joint[index(arm)]; j >= 0; j = bvh.joints[static_cast<std::size_t>(j)].parent)
+      if (const auto found = std::find(spine.begin(), spine.end(), j); found != spine.end())
+        return static_cast<std::size_t>(found - spine.begin());
+  return spine.size() - 1;
+}
+
+// Of a spine of several joints the one that carries the arms is our chest, one amid those below our spine; where neck
+// and head are called spine too (Blender's Rigify) they are what goes on above.
+void take_spine(const recon::BvhMotion& bvh, const std::vector<int>& spine, BvhSkeleton& skeleton) {
+  if (spine.empty()) return;
+  const std::size_t chest = chest_among(bvh, spine, skeleton);
+  skeleton.joint[index(Joint::chest)] = spine[chest];
+  if (chest > 0) skeleton.joint[index(Joint::spine)] = spine[chest / 2];
+  const std::size_t above = spine.size() - 1 - chest;
+  if (skeleton.has(Joint::head) || above == 0) return;
+  skeleton.joint[index(Joint::head)] = spine.back();
+  if (!skeleton.has(Joint::neck) && above > 1) skeleton.joint[index(Joint::neck)] = spine[chest + 1];
+}
+
 void map_joints(const recon::BvhMotion& bvh, BvhSkeleton& skeleton) {
   std::vector<std::string> names;
   std::vector<int> parents;
@@ -60,9 +83,7 @@ void map_joints(const recon::BvhMotion& bvh, BvhSkeleton& skeleton) {
     if (named[j]->segment == BodySegment::head) set(Joint::head, j);
     if (const auto limb = limb_joint(*named[j]); limb && named[j]->side) set(on_side(*limb, *named[j]->side), j);
   }
-  // Of a spine of several joints the uppermost carries the shoulders, one amid the others is our lower one.
-  if (!spine.empty()) skeleton.joint[index(Joint::chest)] = spine.back();
-  if (spine.size() > 1) skeleton.joint[index(Joint::spine)] = spine[(spine.size() - 1) / 2];
+  take_spine(bvh, spine, skeleton);
 }
 
 void require_joints(const recon::BvhMotion& bvh, const std::string& name, const BvhSkeleton& skeleton) {
@@ -155,22 +176,10 @@ void measure(const recon::BvhMotion& bvh, const std::string& name, BvhSkeleton& 
                            (knee - placed.at(on_side(Joint::foot_left, side))).norm());
   }
   if (!(skeleton.leg > 1e-6)) throw InvalidInput(name + ": its legs have no length");
-  struct Unit {
-    double metres;
-    const char* name;
-  };
-  // 0.0564 m: the unit of the ASF files of Carnegie Mellon's database (1 in / 0.45).
-  constexpr std::array<Unit, 5> units = {{{1.0, "metres"},
-                                          {0.01, "centimetres"},
-                                          {0.0254, "inches"},
-                                          {0.0564, "units of CMU's database"},
-                                          {0.001, "millimetres"}}};
-  const auto* found = std::find_if(units.begin(), units.end(), [&](const Unit& unit) {
-    return skeleton.leg * unit.metres > 0.55 && skeleton.leg * unit.metres < 1.15;  // a child's, a very tall man's
-  });
-  skeleton.notes.push_back(found != units.end()
-                               ? fmt::format("in {}: its leg is {:.2f} m", found->name, skeleton.leg * found->metres)
-                               : fmt::format("in an unknown unit: its leg is {:.3g} of it", skeleton.leg));
+  constexpr Plausible kLeg{0.55, 1.15};  // a child's, a very tall man's
+  const auto unit = unit_of(skeleton.leg, kLeg, FileOf::motion);
+  skeleton.notes.push_back(unit ? fmt::format("in {}: its leg is {:.2f} m", unit->name, skeleton.leg * unit->metres)
+                                : fmt::format("in an unknown unit: its leg is {:.3g} of it", skeleton.leg));
 }
 
 }  // namespace

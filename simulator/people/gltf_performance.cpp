@@ -9,8 +9,9 @@
 
 #include "config/errors.h"
 #include "simulator/people/fingerprint.h"
+#include "simulator/people/footfall.h"
 #include "simulator/people/gltf_surface.h"
-#include "simulator/people/joint_names.h"
+#include "simulator/people/length_unit.h"
 
 namespace rotunda::simulator {
 namespace {
@@ -86,6 +87,7 @@ void add_parts(Fingerprint& print, const GltfCharacter& character) {
 GltfPerformance::GltfPerformance(const std::filesystem::path& file, const std::string& act)
     : person_(file.string()), act_(act), character_(read_gltf_character(file)), notes_(character_.notes) {
   if (!character_.clips.empty() && !act.empty()) clip_ = &character_.clip(act);
+  if (character_.clips.empty() && !act.empty()) notes_.emplace_back("has no clips: shown as it is at rest");
   if (clip_) act_ = clip_->name;
   time_clip();
   collect_joints();
@@ -155,25 +157,31 @@ void GltfPerformance::collect_joints() {
   }
 }
 
-// Up runs from the feet to the head, left from the right thigh or shoulder to the left one: if both can be told and lie
-// off their axes by 45 degrees and more, the character is turned by as many quarter turns as bring them there.
-void GltfPerformance::orient() {
+std::vector<std::optional<NamedJoint>> GltfPerformance::named_joints() const {
   std::vector<std::string> names;
   std::vector<int> parents;
   for (const auto& joint : joints_) {
     names.push_back(joint.name);
     parents.push_back(joint.parent);
   }
-  const auto named = name_joints(names, parents);
+  return name_joints(names, parents);
+}
+
+// Up runs from the feet to the head, left from the right thigh or shoulder to the left one: if both can be told and lie
+// off their axes by 45 degrees and more, the character is turned by as many quarter turns as bring them there.
+void GltfPerformance::orient() {
+  const auto named = named_joints();
   const auto rest = simulator::state_at(character_, nullptr, 0.0);
   const auto where = [&](BodySegment segment, std::optional<Side> side) -> std::optional<Vector3d> {
-    for (std::size_t j = 0; j < named.size(); ++j)
+    for (std::size_t j = named.size(); j-- > 0;)  // of a neck or spine of several joints the uppermost
       if (named[j] && named[j]->segment == segment && named[j]->side == side)
         return world_from_file_ * Vector3d(rest.file_from_node[joint_nodes_[j]].topRightCorner<3, 1>());
     return std::nullopt;
   };
-  const auto head = where(BodySegment::head, std::nullopt), left_foot = where(BodySegment::foot, Side::left),
-             right_foot = where(BodySegment::foot, Side::right);
+  std::optional<Vector3d> head;
+  for (const auto top : {BodySegment::head, BodySegment::neck, BodySegment::spine})
+    if (!head) head = where(top, std::nullopt);
+  const auto left_foot = where(BodySegment::foot, Side::left), right_foot = where(BodySegment::foot, Side::right);
   const auto left = where(BodySegment::thigh, Side::left), right = where(BodySegment::thigh, Side::right);
   if (!head || !left_foot || !right_foot || !left || !right) return;
   const auto nearest_axis = [](const Vector3d& v) {
@@ -190,20 +198,11 @@ void GltfPerformance::orient() {
 }
 
 void GltfPerformance::scale() {
-  struct Unit {
-    double metres;
-    const char* name;
-  };
-  constexpr std::array<Unit, 5> units = {{{1.0, "metres"},
-                                          {0.01, "centimetres"},
-                                          {0.0254, "inches"},
-                                          {0.001, "millimetres"},
-                                          {100.0, "metres, shrunk a hundred times"}}};
+  constexpr Plausible kPerson{0.5, 2.6};
   const double height = box_of(transformed(world_from_file_, in_file(state_at(0.0)))).sizes().maxCoeff();
-  for (const auto& unit : units) {
-    if (height * unit.metres < 0.5 || height * unit.metres > 2.6) continue;
-    world_from_file_ = Eigen::Scaling(unit.metres) * world_from_file_;
-    if (unit.metres != 1.0) notes_.push_back(fmt::format("{:.3g} units high: taken as {}", height, unit.name));
+  if (const auto unit = unit_of(height, kPerson, FileOf::surface)) {
+    world_from_file_ = Eigen::Scaling(unit->metres) * world_from_file_;
+    if (unit->metres != 1.0) notes_.push_back(fmt::format("{:.3g} units high: taken as {}", height, unit->name));
     return;
   }
   if (!(height > 1e-6 && height < 1e6)) throw InvalidInput(fmt::format("{}: {:.3g} units high", person_, height));
@@ -246,6 +245,39 @@ std::vector<JointState> GltfPerformance::joints_at(double seconds) const {
     states.push_back({world_from_file_ * Vector3d(transform.topRightCorner<3, 1>()), own.normalized()});
   }
   return states;
+}
+
+// Where a foot's joint has its heel: in the file's rest under it and a little behind, where the surface stands.
+Vector3d GltfPerformance::heel_in_foot(std::size_t joint) const {
+  const auto rest = simulator::state_at(character_, nullptr, 0.0);
+  const AlignedBox3d box = box_of(transformed(world_from_file_, in_file(rest)));
+  const Affine3d world_from_foot = world_from_file_ * Affine3d(rest.file_from_node[joint_nodes_[joint]]);
+  const Vector3d ankle = world_from_foot.translation();
+  return world_from_foot.inverse() * Vector3d(ankle.x() - 0.03 * box.sizes().z(), ankle.y(), box.min().z());
+}
+
+std::vector<HeelStrike> GltfPerformance::heel_strikes() const {
+  const auto named = named_joints();
+  std::array<std::size_t, 2> foot{};
+  std::array<Vector3d, 2> heel;
+  for (const Side side : {Side::left, Side::right}) {
+    const auto found = std::find_if(named.begin(), named.end(), [&](const auto& joint) {
+      return joint && joint->segment == BodySegment::foot && joint->side == side;
+    });
+    if (found == named.end()) return {};
+    foot[at(side)] = static_cast<std::size_t>(found - named.begin());
+    heel[at(side)] = heel_in_foot(foot[at(side)]);
+    if (!heel[at(side)].allFinite()) return {};  // a joint scaled to nothing
+  }
+  const auto heights_at = [&](double seconds) {
+    const auto state = state_at(seconds);
+    std::array<double, 2> heights{};
+    for (std::size_t i = 0; i < 2; ++i)
+      heights[i] = (world_from_file_ * Affine3d(state.file_from_node[joint_nodes_[foot[i]]]) * heel[i]).z();
+    return heights;
+  };
+  const double height = box_of(transformed(world_from_file_, in_file(state_at(0.0)))).sizes().z();
+  return find_heel_strikes(heights_at, {frames_ * kActStep, is_cyclic_, height});
 }
 
 std::string GltfPerformance::fingerprint() const {

@@ -3,6 +3,7 @@
 // in centimetres, inches or millimetres, or lying on its side, is told by the size and the names of its joints and set
 // right. A clip whose end meets its beginning is stretched by less than half an act frame so that it closes exactly.
 #include "simulator/people/gltf_character.h"
+#include "simulator/people/joint_names.h"
 #include "simulator/people/performance.h"
 
 namespace rotunda::simulator {
@@ -21,7 +22,7 @@ class GltfPerformance : public Performance {
   std::vector<recon::TriangleMesh> surfaces_at(double seconds) const override;
   const std::vector<JointInfo>& joints() const override { return joints_; }
   std::vector<JointState> joints_at(double seconds) const override;
-  std::vector<HeelStrike> heel_strikes() const override { return {}; }  // nobody says which joints are heels
+  std::vector<HeelStrike> heel_strikes() const override;  // footfall.h; none if names tell no feet
   std::string fingerprint() const override;
 
   const std::vector<std::string>& notes() const { return notes_; }  // what was changed or left out, for the user
@@ -30,6 +31,8 @@ class GltfPerformance : public Performance {
   double clip_seconds(double seconds) const;
   CharacterState state_at(double seconds) const;
   std::vector<Eigen::Vector3f> in_file(const CharacterState& state) const;  // all vertices of all parts
+  std::vector<std::optional<NamedJoint>> named_joints() const;
+  Eigen::Vector3d heel_in_foot(std::size_t joint) const;
   void time_clip();
   void collect_joints();
   void orient();

@@ -19,10 +19,17 @@ constexpr Word kWords[] = {
     {"chest", BodySegment::spine, false},        {"upperchest", BodySegment::spine, false},
     {"abdomen", BodySegment::spine, false},      {"lowerback", BodySegment::spine, false},
     {"torso", BodySegment::spine, false},        {"waist", BodySegment::spine, false},
+    {"upperback", BodySegment::spine, false},    {"thorax", BodySegment::spine, false},
+    {"spinemid", BodySegment::spine, false},     {"spineshoulder", BodySegment::spine, false},
+    {"ab", BodySegment::spine, false},           {"spinebase", BodySegment::pelvis, false},
     {"abdomenlower", BodySegment::spine, false}, {"abdomenupper", BodySegment::spine, false},
     {"chestlower", BodySegment::spine, false},   {"chestupper", BodySegment::spine, false},
     {"neck", BodySegment::neck, false},          {"necklower", BodySegment::neck, false},
     {"neckupper", BodySegment::neck, false},     {"head", BodySegment::head, false},
+    {"lowerneck", BodySegment::neck, false},     {"upperneck", BodySegment::neck, false},
+    {"humerus", BodySegment::upper_arm, true},   {"uarm", BodySegment::upper_arm, true},
+    {"radius", BodySegment::forearm, true},      {"farm", BodySegment::forearm, true},
+    {"femur", BodySegment::thigh, true},         {"tibia", BodySegment::shank, true},
     {"clavicle", BodySegment::clavicle, true},   {"collar", BodySegment::clavicle, true},
     {"collarbone", BodySegment::clavicle, true}, {"shoulder", BodySegment::clavicle, true, 1},
     {"upperarm", BodySegment::upper_arm, true},  {"uparm", BodySegment::upper_arm, true},
@@ -143,7 +150,7 @@ class Namer {
     for (std::size_t j = 0; j < read_.size(); ++j)
       if (!named_[j] && rank(read_[j], segment, std::nullopt)) named_[j] = NamedJoint{segment, std::nullopt};
   }
-  // Without a name it is the joint that carries both thighs.
+  // Without a name, or called the first of the spine, it is the joint that carries both thighs.
   void find_pelvis() {
     std::vector<std::size_t> thighs;
     for (std::size_t j = 0; j < named_.size(); ++j) {
@@ -157,7 +164,7 @@ class Namer {
     for (int j = parents_[thighs[1]]; j >= 0; j = parents_[static_cast<std::size_t>(j)]) {
       auto& joint = named_[static_cast<std::size_t>(j)];
       if (!is_above[static_cast<std::size_t>(j)]) continue;
-      if (!joint) joint = NamedJoint{BodySegment::pelvis, std::nullopt};
+      if (!joint || joint->segment == BodySegment::spine) joint = NamedJoint{BodySegment::pelvis, std::nullopt};
       return;
     }
   }

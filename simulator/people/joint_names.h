@@ -1,6 +1,7 @@
 #pragma once
-// What joints of anyone's skeleton are, by their names: MotionBuilder, Mixamo, CMU, Rokoko, Bandai, LAFAN1, Unreal,
-// VRM, DAZ, Biovision's own (LeftHip, LeftKnee, LeftCollar, LeftShoulder, LeftElbow), SMPL, Rotunda's.
+// What joints of anyone's skeleton are, by their names: MotionBuilder, Mixamo, CMU (also its ASF names: lfemur,
+// lhumerus), Rokoko, Bandai, LAFAN1, Unreal, VRM, DAZ, Biovision's own (LeftHip, LeftKnee, LeftCollar, LeftShoulder,
+// LeftElbow), SMPL, Kinect, OptiTrack, 3ds Max' Biped, Blender's Rigify, Rotunda's.
 #include <array>
 #include <cstdint>
 #include <optional>

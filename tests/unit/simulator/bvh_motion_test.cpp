@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
 #include <numbers>
 
@@ -180,6 +181,19 @@ class BvhMotionTest : public testing::Test {
     for (int frame = 0; frame <= walk.frames; ++frame)
       EXPECT_LT((found.pose_at(frame * kActStep).pelvis - walk.pose_at(frame * kActStep).pelvis - off).norm(), 0.001);
   }
+  // To an act frame.
+  void expect_its_strikes(const Motion& found) const {
+    const double round = walk.frames * kActStep;
+    EXPECT_EQ(found.heel_strikes.size(), walk.heel_strikes.size());
+    for (const auto& strike : walk.heel_strikes)
+      EXPECT_TRUE(std::any_of(found.heel_strikes.begin(), found.heel_strikes.end(),
+                              [&](const HeelStrike& seen) {
+                                return seen.side == strike.side &&
+                                       std::abs(std::remainder(seen.seconds - strike.seconds, round)) <= kActStep;
+                              }))
+          << strike.seconds << " s of " << round << ", found "
+          << (found.heel_strikes.empty() ? -1.0 : found.heel_strikes.front().seconds);
+  }
 };
 
 TEST_F(BvhMotionTest, ComesBackFromEveryConvention) {
@@ -204,12 +218,35 @@ TEST_F(BvhMotionTest, ComesBackFromEveryConvention) {
     EXPECT_THAT(imported.notes,
                 Contains(HasSubstr(i == 1 ? "z is up; its zero pose stands" : "y is up; its zero pose stands")));
     expect_the_walk(imported.motion);
+    expect_its_strikes(imported.motion);
     for (std::size_t j = 0; j < kJoints; ++j) {
       const auto joint = static_cast<Joint>(j);
       if (is_finger(joint)) continue;
       EXPECT_LT(apart(imported.motion, joint), 0.5) << to_string(joint);
     }
   }
+}
+
+// Blender's Rigify calls everything from hips to head spine.
+TEST_F(BvhMotionTest, FindsPelvisAndHeadAmongBonesThatAreAllCalledSpine) {
+  const std::map<Joint, std::string> rigify = {{Joint::pelvis, "spine"},
+                                               {Joint::spine, "spine.001"},
+                                               {Joint::chest, "spine.003"},
+                                               {Joint::neck, "spine.004"},
+                                               {Joint::head, "spine.006"},
+                                               {Joint::clavicle_left, "shoulder.Left"},
+                                               {Joint::upper_arm_left, "upper_arm.Left"},
+                                               {Joint::forearm_left, "forearm.Left"},
+                                               {Joint::hand_left, "hand.Left"},
+                                               {Joint::thigh_left, "thigh.Left"},
+                                               {Joint::shank_left, "shin.Left"},
+                                               {Joint::foot_left, "foot.Left"},
+                                               {Joint::toes_left, "toe.Left"}};
+  const auto bvh = written(skeleton, walk, {rigify, y_up(), 1.0, {0, 1, 2}, false, resting(skeleton, y_up(), 45.0)});
+  const auto imported = import_motion(bvh, "walk.bvh", skeleton);
+  expect_the_walk(imported.motion);
+  for (const Joint joint : {Joint::pelvis, Joint::chest, Joint::neck, Joint::head})
+    EXPECT_LT(apart(imported.motion, joint), 0.5) << to_string(joint);
 }
 
 TEST_F(BvhMotionTest, TellsWhatItCannotUse) {
@@ -252,6 +289,10 @@ TEST(JointNames, KnowsWhatPeopleCallThem) {
   EXPECT_EQ(segment({"R_Ankle", "R_Foot"}, 1), is(BodySegment::toes, Side::right));
   EXPECT_EQ(segment({"LeftHandIndex1"}, 0), -1);
   EXPECT_EQ(segment({"lthigh"}, 0), is(BodySegment::thigh, Side::left));
+  EXPECT_EQ(segment({"lfemur"}, 0), is(BodySegment::thigh, Side::left));
+  EXPECT_EQ(segment({"rhumerus", "rradius"}, 1), is(BodySegment::forearm, Side::right));
+  EXPECT_EQ(segment({"HipLeft", "KneeLeft"}, 0), is(BodySegment::thigh, Side::left));
+  EXPECT_EQ(segment({"LUArm", "LFArm"}, 0), is(BodySegment::upper_arm, Side::left));
 }
 
 }  // namespace
