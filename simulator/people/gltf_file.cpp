@@ -115,6 +115,8 @@ json parse_json(const std::filesystem::path& path, const std::string& text) {
     return root;
   } catch (const json::parse_error& error) {
     throw CorruptData(path, error.byte, fmt::format("its JSON is broken: {}", error.what()));
+  } catch (const json::exception& error) {  // a number that no double holds
+    throw broken(path, fmt::format("its JSON is broken: {}", error.what()));
   }
 }
 
