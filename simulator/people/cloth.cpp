@@ -193,6 +193,17 @@ void add_lining(Cloth& cloth, const Surface& surface, const Reach& from_particle
   }
 }
 
+BodyField body_about(const Surface& surface, const std::vector<ClothParticle>& particles, const BodyShape& shape) {
+  constexpr double kRoom = 0.12, kCell = 0.015;  // metres: cloth that is farther off meets nothing
+  Eigen::AlignedBox3d box;
+  for (const auto& particle : particles)
+    if (particle.off_body) box.extend(surface.at(particle.vertex));
+  if (box.isEmpty()) return {};
+  box.extend(box.min() - Vector3d::Constant(kRoom));
+  box.extend(box.max() + Vector3d::Constant(kRoom));
+  return {box, kCell, [&](const Vector3d& p) { return shape.bare_distance(p); }};
+}
+
 void add_limb(std::vector<LimbCapsule>& limbs, const BodyShape& shape, Joint joint, const Vector3d& from,
               const Vector3d& to, int pieces) {
   const auto radius = [&](const Vector3d& p) { return std::max(0.0, -shape.bare_distance(p)); };
@@ -236,9 +247,15 @@ Cloth cloth_of(const recon::TriangleMesh& bind, const BodyShape& shape, const Sk
   const auto vertices = spread(surface, spacing);
   Cloth cloth;
   if (vertices.empty()) return cloth;
-  for (const auto v : vertices)
-    cloth.particles.push_back({v, surface.looseness[v], std::max(0.0, shape.bare_distance(surface.at(v)) - kSkin),
-                               hangs(surface.garment[v]), surface.on_trunk[v] != 0});
+  const double hips = skeleton.joint[index(Joint::thigh_left)].z();
+  for (const auto v : vertices) {
+    const double bare = shape.bare_distance(surface.at(v));
+    ClothParticle particle{
+        v, surface.looseness[v], std::max(0.0, bare - kSkin), hangs(surface.garment[v]), surface.on_trunk[v] != 0, {}};
+    if (!particle.hangs || surface.at(v).z() > hips) particle.off_body = std::min(bare, kSkin);
+    cloth.particles.push_back(particle);
+  }
+  cloth.body = body_about(surface, cloth.particles, shape);
   const Reach reach = reach_from(
       surface, vertices, [&](std::size_t v) { return surface.loose(v) || surface.garment[v] == Garment::lining; });
   const Ties ties = ties_between(surface, reach, vertices.size());

@@ -4,9 +4,11 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "recon/mesh/triangle_mesh.h"
+#include "simulator/people/body_field.h"
 #include "simulator/people/body_shape.h"
 
 namespace rotunda::simulator {
@@ -19,11 +21,12 @@ struct LimbCapsule {
 };
 
 struct ClothParticle {
-  std::uint32_t vertex = 0;  // of the mesh
-  double looseness = 0.0;    // 0 close to the body, 1 hanging free
-  double clearance = 0.0;    // how far it may move towards the body
-  bool hangs = false;        // about the legs
-  bool meets_arms = false;   // on the trunk: an arm may press it from outside
+  std::uint32_t vertex = 0;        // of the mesh
+  double looseness = 0.0;          // 0 close to the body, 1 hanging free
+  double clearance = 0.0;          // how far it may move towards the body
+  bool hangs = false;              // about the legs
+  bool meets_arms = false;         // on the trunk: an arm may press it from outside
+  std::optional<double> off_body;  // what it keeps off trunk and arms, which carry it alone; nothing: legs do too
 };
 
 struct ClothBond {
@@ -48,6 +51,7 @@ struct Cloth {
   std::vector<std::vector<std::uint32_t>> round;  // of each lining vertex: the vertices about it
   std::vector<LimbCapsule> limbs;                 // legs
   std::vector<LimbCapsule> arms;                  // from above the elbow to the hand
+  BodyField body;                                 // without its clothes, about the particles with `off_body`
 };
 
 // `spacing`: of the particles.

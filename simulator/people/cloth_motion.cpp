@@ -66,7 +66,7 @@ Vector3d under_arms(const std::vector<PosedLimb>& arms, double off, double room,
 // Where the skeleton alone would put a particle.
 struct SkinnedPlace {
   Vector3d position, normal;
-  Vector3d bind_up;  // the bind pose's upwards, carried along
+  Matrix3d turn;  // from the bind pose
 };
 
 class Simulation {
@@ -113,7 +113,7 @@ class Simulation {
       const Matrix3d turn = blend.leftCols<3>();
       places_[i].position = blend * person_.bind.positions[vertex].cast<double>().homogeneous();
       places_[i].normal = (turn * person_.bind.normals[vertex].cast<double>()).normalized();
-      places_[i].bind_up = turn.col(2);
+      places_[i].turn = turn;
     }
     limbs_ = posed_limbs(cloth_.limbs, transforms);
     arms_ = posed_limbs(cloth_.arms, transforms);
@@ -126,7 +126,7 @@ class Simulation {
     const double kept = std::exp(-kDrag * h), rubbed = 1.0 - std::exp(-kRubbing * h);
     for (std::size_t i = 0; i < position_.size(); ++i) {
       // The bind pose hangs in its own weight already: what holds it there turns with the body.
-      const Vector3d force = kGravity * ((1.0 - kOwnWeight) * places_[i].bind_up - Vector3d::UnitZ());
+      const Vector3d force = kGravity * ((1.0 - kOwnWeight) * places_[i].turn.col(2) - Vector3d::UnitZ());
       velocity_[i] = kept * (velocity_[i] + h * force);
       velocity_[i] += rubbed * ((places_[i].position - places_before[i].position) / h - velocity_[i]);
       const double speed = velocity_[i].norm();
@@ -168,7 +168,7 @@ class Simulation {
     const double distance = offset.norm();
     if (distance > farthest) offset *= farthest / distance;
     const double inwards = -offset.dot(places_[i].normal) - particle.clearance;
-    if (inwards > 0.0) offset += inwards * places_[i].normal;
+    if (!particle.off_body && inwards > 0.0) offset += inwards * places_[i].normal;
     Vector3d p = places_[i].position + offset;
     if (particle.meets_arms) {
       const double room =
@@ -176,8 +176,19 @@ class Simulation {
       p = under_arms(arms_, kOffArm, room, places_[i].normal, p);
     }
     if (particle.hangs) p = out_of_limbs(limbs_, kOffLimb, p);
+    if (particle.off_body) p = out_of_body(i, p);
     p.z() = std::max(p.z(), std::min(kOffFloor, places_[i].position.z()));
     position_[i] = p;
+  }
+
+  // About a particle's own place the body is as in the bind pose, turned along.
+  Vector3d out_of_body(std::size_t i, const Vector3d& p) const {
+    const auto& particle = cloth_.particles[i];
+    const Vector3d at_rest = person_.bind.positions[particle.vertex].cast<double>();
+    const Matrix3d back = places_[i].turn.inverse();  // blended: not quite a rotation
+    const Vector3d in_bind = at_rest + back * (p - places_[i].position);
+    const Vector3d out = cloth_.body.pushed_out(in_bind, *particle.off_body);
+    return p + places_[i].turn * (out - in_bind);
   }
 
   const Person& person_;

@@ -12,7 +12,7 @@
 
 namespace rotunda::simulator {
 
-inline constexpr std::uint32_t kClothEdition = 2;  // another one whenever the same cloth would move differently
+inline constexpr std::uint32_t kClothEdition = 3;  // another one whenever the same cloth would move differently
 
 struct ClothMotionOptions {
   int frames = 1;          // of the act, each of `frame_seconds`

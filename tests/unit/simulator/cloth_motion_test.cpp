@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>
 
+#include <cmath>
 #include <numbers>
 
 #include "simulator/people/act.h"
@@ -133,21 +134,47 @@ double deepest_in_arms(const Person& person, const JointTransforms& transforms,
   return deepest;
 }
 
+// How deep cloth that lies over trunk and arms is in them, metres: a particle is brought back to the bind pose, where
+// the body is known.
+double deepest_in_body(const Person& person, const BodyShape& body, const JointTransforms& transforms,
+                       const std::vector<Eigen::Vector3f>& offsets) {
+  double deepest = -1.0;
+  for (std::size_t i = 0; i < offsets.size(); ++i) {
+    const auto& particle = person.cloth.particles[i];
+    if (!particle.off_body) continue;
+    const auto& weights = person.weights[particle.vertex];
+    Eigen::Matrix3d turn = Eigen::Matrix3d::Zero();
+    for (std::size_t k = 0; k < weights.joint.size(); ++k)
+      turn += static_cast<double>(weights.weight[k]) * transforms[weights.joint[k]].linear();
+    const Eigen::Vector3d at_rest = person.bind.positions[particle.vertex].cast<double>();
+    deepest = std::max(deepest, -body.bare_distance(at_rest + turn.inverse() * offsets[i].cast<double>()));
+  }
+  return deepest;
+}
+
 class LooseCloth : public testing::TestWithParam<Outfit> {};
 
-TEST_P(LooseCloth, KeepsOutOfTheArms) {
+TEST_P(LooseCloth, KeepsOutOfArmsAndTrunk) {
   const Person person = dressed(GetParam());
+  BodyBuild build;
+  build.outfit = GetParam();
+  const BodyShape body(person.skeleton, build);
   ASSERT_TRUE(recon::topology_of(person.bind).is_sphere());
+  constexpr int kFrames = 150;
   for (const std::string act : {"jog", "dance"}) {
     const Motion motion = motion_of(act, person.skeleton);
-    const ClothMotion cloth(person, motion.pose_at, {.frames = 300, .is_cyclic = false, .frame_seconds = kActStep});
-    for (int frame = 0; frame < 300; ++frame) {
+    const double round = motion.frames * kActStep;
+    const auto pose_at = [&](double seconds) { return motion.pose_at(std::fmod(seconds, round)); };
+    const ClothMotion cloth(person, pose_at, {.frames = kFrames, .is_cyclic = false, .frame_seconds = kActStep});
+    for (int frame = 0; frame < kFrames; ++frame) {
       const double seconds = frame * kActStep;
       const auto offsets = cloth.offsets_at(seconds);
       for (const auto& offset : offsets) ASSERT_TRUE(offset.allFinite()) << act << " frame " << frame;
       if (frame % 10 != 0) continue;
-      const auto transforms = joint_transforms(person.skeleton, motion.pose_at(seconds));
+      const auto transforms = joint_transforms(person.skeleton, pose_at(seconds));
       EXPECT_LT(deepest_in_arms(person, transforms, offsets), 0.004) << act << " frame " << frame;
+      // The lattice the body is kept on has cells of 15 mm.
+      EXPECT_LT(deepest_in_body(person, body, transforms, offsets), 0.006) << act << " frame " << frame;
     }
   }
 }
