@@ -108,7 +108,8 @@ void add_arm(PartList& body, Side side) {
   const auto down = [&](double share, double front) -> Vector3d {
     return shoulder + share * (elbow - shoulder) + at(front, 0, 0) * k;
   };
-  body.cone(upper, Material::shirt, down(0.02, 0), down(0.30, 0.002), r(0.056, 0.003), r(0.048, 0.006), 0.040);
+  // The deltoid lies under the tip of the shoulder, which stays the highest when the arm hangs.
+  body.cone(upper, Material::shirt, down(0.04, 0), down(0.30, 0.002), r(0.0495, 0.002), r(0.049, 0.006), 0.040);
   body.cone(upper, Material::shirt, down(0.30, 0.002), down(0.60, 0.006), r(0.049, 0.006), r(0.045, 0.009), kInLine);
   body.cone(upper, Material::shirt, down(0.60, 0.006), elbow, r(0.045, 0.009), r(0.0385, 0.014), kInLine);
   const auto bony = [&](double radius) { return radius * (0.45 + 0.55 * thick); };  // wrists vary less than muscles

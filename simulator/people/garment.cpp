@@ -58,17 +58,22 @@ double top_distance(const Top& top, const Vector3d& q, double body, std::uint32_
   return smooth_max(cloth, std::max({sleeve, trunk, front_opening(top, q)}), 0.004);
 }
 
-// A collar about the neck, laid open in front; lapels take its place there.
-double collar_distance(const Vector3d& q, double thick, bool has_lapels) {
-  const Vector3d a(-0.028, 0.0, 1.435), b(-0.012, 0.0, 1.492);
-  const double t = std::clamp((q - a).dot(b - a) / (b - a).squaredNorm(), 0.0, 1.0);
-  const double side = (q - a - t * (b - a)).norm() - (0.100 - 0.032 * t + thick);
+// What of the neck a collar covers: it is laid open in front, where lapels may take its place. Negative inside.
+double collar_band(const Vector3d& q, bool has_lapels) {
+  const Vector3d a(-0.028, 0.0, 1.435), b(-0.012, 0.0, 1.498);
+  const double side = std::hypot(q.x() + 0.022, q.y()) - 0.100;
   const double front = std::max(0.0, q.x() + 0.02);
   const double above = (q - b).dot((b - a).normalized()) + 0.30 * front;
-  const double below = 1.462 - 0.30 * front - q.z();  // its points hang lower
+  const double below = 1.468 - 0.30 * front - q.z();  // its points hang lower
   double open = q.x() > 0.0 ? 0.8 * (0.004 + 0.40 * (1.490 - q.z()) - std::abs(q.y())) : -1.0;
   if (has_lapels) open = 0.8 * (q.x() - 0.010);
   return std::max({side, above, below, open});
+}
+
+// Folded over: it lies on the shirt by its own double thickness.
+double collar_distance(const Vector3d& q, double body, double chest, bool has_lapels) {
+  constexpr double kFold = 0.006;
+  return smooth_max(body - chest - kFold, collar_band(q, has_lapels), 0.002);
 }
 
 double trousers_distance(const Cut& cut, const Vector3d& q, double body, std::uint32_t seed) {
@@ -107,7 +112,7 @@ double Garments::distance(const Vector3d& q, double body) const {
   double d = smooth_min(body, top_distance(cut.top, q, body, seed_), 0.003);
   if (cut.trouser_leg > 0.0 && q.z() < 1.02) d = smooth_min(d, trousers_distance(cut, q, body, seed_), 0.003);
   if (has_collar(outfit_) && q.z() > 1.38)
-    d = smooth_min(d, collar_distance(q, 0.5 * cut.top.chest, cut.bell.has_value()), 0.006);
+    d = smooth_min(d, collar_distance(q, body, cut.top.chest, cut.bell.has_value()), 0.002);
   if (!cut.bell || q.z() > cut.bell->top + 0.1 || q.z() < cut.bell->hem - 0.1) return d;
   return smooth_min(d, bell_distance(*cut.bell, bell_place(*cut.bell, girth_, seed_, q), q), 0.010);
 }
@@ -138,8 +143,8 @@ GarmentPlace Garments::place_of(const Vector3d& q) const {
   }
   const double over_hem = std::min(kEdge, 0.3 * cut.top.hip), over_neck = std::min(kEdge, 0.3 * cut.top.chest);
   const bool is_shirt = cut.top.garment == Garment::shirt && q.z() > 1.38 && q.z() < 1.47;
-  const bool collared = is_shirt || (has_collar(outfit_) && q.z() > 1.42 && q.z() < 1.52 &&
-                                     collar_distance(q, 0.5 * cut.top.chest, cut.bell.has_value()) < 0.004);
+  const bool collared =
+      is_shirt || (has_collar(outfit_) && q.z() > 1.42 && q.z() < 1.52 && collar_band(q, cut.bell.has_value()) < 0.004);
   if (collared || (neckline(cut.top, q) < over_neck && q.z() > hem_of(cut.top, q) - over_hem &&
                    front_opening(cut.top, q) < over_hem))
     place.garment = cut.top.garment;

@@ -86,10 +86,22 @@ Vector3d skin_colour(const BodyShape& shape, const Clothing& look, const Vector3
   return mix(colour, rgb(look.hair) * 0.85, (1.0 - ear) * roots);
 }
 
+namespace {
+
+// How much hair hides the scalp, 0 to 1: single strands in front, all of it where a bob falls over the skin and behind.
+double strand_cover(const BodyBuild& build, const Vector3d& q) {
+  if (q.x() < -0.05 || q.z() < 1.560 || build.hair == HairStyle::bald) return 1.0;
+  const double falling = build.hair == HairStyle::bob ? step_up(std::max(1.668 - q.z(), 0.030 - q.x()), 0.014) : 0.0;
+  return std::max(hair_cover(build, q), falling);
+}
+
+}  // namespace
+
 SurfaceMaterial skin_material(const BodyShape& shape, const Vector3d& p, const BodyPlace& place) {
-  if (place.material == Material::hair) return SurfaceMaterial::hair;
-  if (place.joint != Joint::head) return SurfaceMaterial::skin;
   const Vector3d head = shape.head().to_reference(p);
+  if (place.material == Material::hair)
+    return strand_cover(shape.build(), head) > 0.5 ? SurfaceMaterial::hair : SurfaceMaterial::skin;
+  if (place.joint != Joint::head) return SurfaceMaterial::skin;
   if (hair_cover(shape.build(), head) > 0.5) return SurfaceMaterial::hair;
   if (is_eyeball(shape.build(), head)) return SurfaceMaterial::eye;
   const bool lips = head.x() > 0.075 && std::abs(head.y()) < 0.022 && std::abs(head.z() - 1.5655) < 0.0085;
@@ -112,11 +124,8 @@ Vector3d hair_colour(const BodyShape& shape, const Clothing& look, const Vector3
   Vector3d colour = rgb(look.hair) * (1.0 + 0.75 * strand + 0.20 * solid_noise(q / 0.03, build.seed + 75));
   colour = mix(colour, colour * 1.45 + Vector3d::Constant(0.02), 0.45 * sheen);
   colour = colour.cwiseMax(0.35 * rgb(look.hair));
-  if (q.x() < -0.05 || q.z() < 1.560 || build.hair == HairStyle::bald) return colour;
-  // The scalp shows between the strands, but for where a bob falls over the skin.
-  const double falling = build.hair == HairStyle::bob ? step_up(std::max(1.668 - q.z(), 0.030 - q.x()), 0.014) : 0.0;
-  const double cover = std::max(hair_cover(build, q), falling);
-  return mix(skin_colour(shape, look, p, {Material::skin, Joint::head}), colour, cover);
+  const double cover = strand_cover(build, q);
+  return cover < 1.0 ? mix(skin_colour(shape, look, p, {Material::skin, Joint::head}), colour, cover) : colour;
 }
 
 }  // namespace rotunda::simulator
