@@ -47,6 +47,7 @@ const Words kFormats{"Mono8",
                      "MJPEG"};
 const Words kTriggerModes{"action", "software", "line", "freerun"};
 const Words kBackdrops{"blue", "green"};
+const Words kClocks{"ideal", "realistic"};
 const Words kSources{"aravis", "replay", "v4l2"};
 const std::vector<std::string> kFindBy{"address", "serial", "user_name", "mac"};
 
@@ -291,6 +292,10 @@ void read_simulator(CheckedMap& root, SimulatorConfig& simulator, Problems& prob
   map.read<double>("wear", simulator.wear, "0 to 4", between(0.0, 4.0));
   map.read<double>("unevenness", simulator.unevenness, "1 to 10", between(1.0, 10.0));
   map.read<double>("lateral_colour_px", simulator.lateral_colour_px, "0 to 5 pixels", between(0.0, 5.0));
+  map.read<std::string>("clocks", simulator.clocks, one_of(kClocks), in(kClocks));
+  std::string faults;
+  map.read<std::string>("faults", faults, "the path of a file of faults");
+  if (!faults.empty()) simulator.faults = faults;
   map.refuse_unknown_keys();
 }
 
@@ -356,6 +361,7 @@ RigConfig load_rig(const fs::path& file) {
     return fs::weakly_canonical(rig.file.parent_path() / path);
   };
   if (rig.calibration) rig.calibration = beside_rig_file(*rig.calibration);
+  if (rig.simulator.faults) rig.simulator.faults = beside_rig_file(*rig.simulator.faults);
   if (rig.storage.takes.is_relative()) rig.storage.takes = fs::absolute(rig.storage.takes);
   return rig;
 }

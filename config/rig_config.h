@@ -29,7 +29,7 @@ struct CameraConfig {
   std::optional<double> exposure_us;
   std::optional<double> gain_db;
   std::vector<std::pair<std::string, std::string>> controls;  // v4l2: name and value, in the file's order
-  std::optional<int> offset_x, offset_y;  // of the region on the sensor, pixels
+  std::optional<int> offset_x, offset_y;                      // of the region on the sensor, pixels
   std::optional<WhiteBalanceConfig> white_balance;
   std::string user_set;                                       // of the camera, loaded first; empty: none
   std::vector<std::pair<std::string, std::string>> features;  // GenICam name and value, in the file's order
@@ -69,9 +69,11 @@ struct SimulatorConfig {
   std::string act = "walk";
   bool travel = false;  // through the volume instead of on the spot
   std::uint64_t seed = 1;
-  double wear = 1.0;                // of the painted studio: seams, scuffs, tape; 0 none
-  double unevenness = 2.0;          // of the light on it, brightest to darkest
-  double lateral_colour_px = 0.25;  // of the lenses, in the picture's corner
+  double wear = 1.0;                            // of the painted studio: seams, scuffs, tape; 0 none
+  double unevenness = 2.0;                      // of the light on it, brightest to darkest
+  double lateral_colour_px = 0.25;              // of the lenses, in the picture's corner
+  std::string clocks = "ideal";                 // | realistic: the cameras' clocks err
+  std::optional<std::filesystem::path> faults;  // what goes wrong; absolute after loading
 };
 
 struct RigConfig {

@@ -85,6 +85,13 @@ ExposureSettings exposure_settings(const ImageSettings& written) {
   return settings;
 }
 
+std::vector<std::string> narrow_cameras(const std::vector<capture::CameraModel>& cameras) {
+  std::vector<std::string> names;
+  for (const auto& camera : cameras)
+    if (!holds(camera, kStageVolume)) names.push_back(camera.name);
+  return names;
+}
+
 std::vector<std::string> names_of(const std::vector<capture::CameraModel>& cameras) {
   std::vector<std::string> names;
   for (const auto& camera : cameras) names.push_back(camera.name);
@@ -107,6 +114,8 @@ ServedStudio studio_of_rig(const std::filesystem::path& rig_file) {
   studio.backdrop.wear = rig.simulator.wear;
   studio.backdrop.unevenness = rig.simulator.unevenness;
   studio.lateral_colour_px = rig.simulator.lateral_colour_px;
+  studio.has_realistic_clocks = rig.simulator.clocks == "realistic";
+  studio.faults = rig.simulator.faults.value_or("");
   for (const auto& camera : rig.cameras) {
     if (camera.source != "aravis") continue;  // not for GigE Vision
     const auto& model = model_of(camera, *rig.calibration, models);

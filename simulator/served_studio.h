@@ -21,6 +21,8 @@ struct ServedStudio {
   PerformanceOptions performance;
   BackdropOptions backdrop;
   double lateral_colour_px = SensorOptions{}.lateral_colour_px;
+  bool has_realistic_clocks = false;
+  std::filesystem::path faults;  // a script; none if empty
   SensorOptions sensor() const;  // the devices' exposures, the performance's seed
 };
 // Each camera gets a clock that errs like a real one's.
@@ -29,6 +31,8 @@ void use_realistic_clocks(ServedStudio& studio, std::uint64_t seed);
 // As registers hold them, in physical units.
 ExposureSettings exposure_settings(const ImageSettings& written);
 
+// Those whose pictures do not hold the whole stage of 3 x 2 x 2 m, which performers who travel go through.
+std::vector<std::string> narrow_cameras(const std::vector<capture::CameraModel>& cameras);
 std::vector<std::string> names_of(const std::vector<capture::CameraModel>& cameras);
 
 // The cameras of a rig file where its calibration says they stand. Throws ConfigError for a bad file and InvalidInput

@@ -85,10 +85,15 @@ void add_layout_options(CLI::App& command, LayoutArguments& arguments, CLI::Opti
   add(command.add_option("--k2", arguments.layout.k2, "radial distortion (0)"));
 }
 
+bool travels(const PerformanceOptions& performance) {
+  return !performance.motion && (performance.travel || performance.act == "board");
+}
+
 LayoutOptions layout_of(const LayoutArguments& arguments, const PerformanceArguments& performance) {
-  const bool travels = performance.travel || performance.act == "board";
+  PerformanceOptions wanted;
+  apply(performance, wanted);
   LayoutOptions layout = arguments.layout;
-  if (arguments.whole_volume || (travels && !arguments.subject_height)) layout = travelling_layout(layout);
+  if (arguments.whole_volume || (travels(wanted) && !arguments.subject_height)) layout = travelling_layout(layout);
   if (arguments.radius) layout.radius = *arguments.radius;
   if (arguments.subject_height) layout.subject_height = *arguments.subject_height;
   std::tie(layout.width, layout.height) = arguments.size;

@@ -52,6 +52,8 @@ struct LayoutArguments {
 // `file`, `other_file`: options that say it instead.
 void add_layout_options(CLI::App& command, LayoutArguments& arguments, CLI::Option* file = nullptr,
                         CLI::Option* other_file = nullptr);
+// Goes through the volume.
+bool travels(const PerformanceOptions& performance);
 // For whom they look at: who travels needs them farther out, unless the arguments say where they stand.
 LayoutOptions layout_of(const LayoutArguments& arguments, const PerformanceArguments& performance = {});
 

@@ -1,5 +1,6 @@
 // rotunda-sim: serves cameras until it is told to stop; --scan and --list answer and end.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <spdlog/spdlog.h>
 
 #include <condition_variable>
@@ -30,7 +31,7 @@ struct ServeOptions {
   LayoutArguments layout;
   std::optional<std::uint64_t> clock_seed;
   std::optional<std::uint16_t> trigger_box_port;
-  std::string rig, truth, ready_file, clocks = "ideal", pixel_format = "BayerRG8";
+  std::string rig, truth, ready_file, clocks, pixel_format = "BayerRG8";
   bool list = false;
 };
 
@@ -38,6 +39,17 @@ capture::PixelFormat format_of(const ServeOptions& options) {
   const auto format = capture::pixel_format_from(options.pixel_format);
   if (!format) throw CLI::ValidationError("--pixel-format", "cameras send Mono8, BayerRG8, RGB8, ...");
   return *format;
+}
+
+// The rig's cameras stand where its calibration says, whoever performs.
+void tell_narrow_cameras(const ServedStudio& studio, const std::string& rig) {
+  const auto narrow = narrow_cameras(studio.cameras);
+  if (narrow.empty()) return;
+  spdlog::warn(
+      "{} goes through the whole stage; {} of {} do not have all of it in their pictures: {}. Where cameras stand is "
+      "for "
+      "the calibration of {} to say; `rotunda-sim layout --whole-volume -o FILE` writes one that holds the stage",
+      studio.performance.person, narrow.size(), studio.cameras.size(), fmt::join(narrow, ", "), rig);
 }
 
 ServedStudio studio_of(const ServeOptions& options) {
@@ -48,7 +60,10 @@ ServedStudio studio_of(const ServeOptions& options) {
   apply(options.studio, studio);
   if (options.exposure_us)
     for (auto& device : studio.devices) device.exposure_us = *options.exposure_us;
-  if (options.clocks == "realistic") use_realistic_clocks(studio, options.clock_seed.value_or(studio.performance.seed));
+  if (!options.clocks.empty()) studio.has_realistic_clocks = options.clocks == "realistic";
+  if (studio.has_realistic_clocks) use_realistic_clocks(studio, options.clock_seed.value_or(studio.performance.seed));
+  if (!options.faults.script.empty()) studio.faults = options.faults.script;
+  if (!options.rig.empty() && travels(studio.performance)) tell_narrow_cameras(studio, options.rig);
   return studio;
 }
 
@@ -93,7 +108,8 @@ void tell_losses(const PlayerCounts& counts, const std::optional<ExposureLog>& l
 int serve(const ServeOptions& options, const std::stop_token& stop) {
   const auto served = studio_of(options);
   const auto names = names_of(served.cameras);
-  FaultControl faults(options.faults, names);
+  const FaultControlOptions fault_options{served.faults, options.faults.socket};
+  FaultControl faults(fault_options, names);
   std::unique_ptr<ActPlayer> player;
   std::optional<ExposureLog> log;
   const auto on_exposure = [&](const Exposure& exposure) {
@@ -118,7 +134,7 @@ int serve(const ServeOptions& options, const std::stop_token& stop) {
   wait_for(stop);
   faults.stop();
   studio.stop();
-  tell_faults(options.faults, studio.stats(), faults.cameras());
+  tell_faults(fault_options, studio.stats(), faults.cameras());
   tell_losses(player->counts(), log);
   if (!options.ready_file.empty()) std::filesystem::remove(options.ready_file);
   return kDone;
@@ -147,12 +163,12 @@ void add_serve_command(CommandLine& line) {
   line.app
       .add_option("--exposure", options->exposure_us, "microseconds, of all cameras (as the rig file has it, or 5000)")
       ->check(CLI::PositiveNumber);
-  auto* clocks = line.app
-                     .add_option("--clocks", options->clocks,
-                                 "ideal: without error; realistic: crystals that drift, PTP that wanders (ideal)")
-                     ->check(CLI::IsMember({"ideal", "realistic"}));
-  line.app.add_option("--clock-seed", options->clock_seed, "of the realistic clocks' errors (as --seed)")
-      ->needs(clocks);
+  line.app
+      .add_option("--clocks", options->clocks,
+                  "ideal: without error; realistic: crystals that drift, PTP that wanders (as the rig file has it, or "
+                  "ideal)")
+      ->check(CLI::IsMember({"ideal", "realistic"}));
+  line.app.add_option("--clock-seed", options->clock_seed, "of the realistic clocks' errors (as --seed)");
   line.app.add_option("--trigger-box-port", options->trigger_box_port,
                       "UDP port of 127.0.0.1 for edges of Line0; 0: any (not listened for)");
   line.app.add_option("--truth", options->truth, "write what is true of each act frame and exposure into this folder");

@@ -26,17 +26,6 @@ Eigen::Vector3d high_up(double azimuth, const LayoutOptions& options) {
           options.aim_height + options.radius * std::sin(elevation)};
 }
 
-bool holds(const capture::CameraModel& camera, const Eigen::AlignedBox3d& volume) {
-  constexpr double kRim = 1.0;  // pixels
-  for (int corner = 0; corner < 8; ++corner) {
-    const auto seen = capture::project(camera, volume.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner)));
-    if (!seen || (seen->array() < kRim).any() || seen->x() > camera.width - 1 - kRim ||
-        seen->y() > camera.height - 1 - kRim)
-      return false;
-  }
-  return true;
-}
-
 // The longest focal length, to half a percent, that still has the volume in the picture.
 void fit_lens(capture::CameraModel& camera, const Eigen::AlignedBox3d& volume) {
   constexpr int kSteps = 1400;  // down to a thousandth: a camera within the volume
@@ -49,6 +38,17 @@ void fit_lens(capture::CameraModel& camera, const Eigen::AlignedBox3d& volume) {
 }
 
 }  // namespace
+
+bool holds(const capture::CameraModel& camera, const Eigen::AlignedBox3d& volume) {
+  constexpr double kRim = 1.0;  // pixels
+  for (int corner = 0; corner < 8; ++corner) {
+    const auto seen = capture::project(camera, volume.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner)));
+    if (!seen || (seen->array() < kRim).any() || seen->x() > camera.width - 1 - kRim ||
+        seen->y() > camera.height - 1 - kRim)
+      return false;
+  }
+  return true;
+}
 
 LayoutOptions travelling_layout(LayoutOptions options) {
   options.radius = 6.0;

@@ -31,6 +31,9 @@ std::vector<capture::CameraModel> camera_layout(const LayoutOptions& options = {
 // amid the volume is 330 to 370 rows tall from the ring (a ring of 3.6 m with wide lenses: 250).
 LayoutOptions travelling_layout(LayoutOptions options = {});
 
+// The camera has all of the volume in its picture.
+bool holds(const capture::CameraModel& camera, const Eigen::AlignedBox3d& volume);
+
 // A camera at `centre` that looks at `target` with the world's z upwards in its picture.
 capture::CameraModel look_at(const Eigen::Vector3d& centre, const Eigen::Vector3d& target, int width, int height,
                              double fx, double fy);

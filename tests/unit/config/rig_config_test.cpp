@@ -107,6 +107,16 @@ TEST(LoadRig, ReadsHowCamerasFollowThePtpMaster) {
               testing::AllOf(HasSubstr(":2:16: trigger.ptp: expected true or false"), HasSubstr("trigger.ptp_wait_s")));
 }
 
+TEST(LoadRig, ReadsHowTheSimulatedCamerasErrAndFindsTheirFaultsBesideIt) {
+  const auto file = written(std::string(kOneCamera) + "simulator: {clocks: realistic, faults: faults.yaml}\n");
+  const auto rig = load_rig(file);
+  EXPECT_EQ(rig.simulator.clocks, "realistic");
+  EXPECT_EQ(rig.simulator.faults,
+            std::filesystem::weakly_canonical(std::filesystem::absolute(file).parent_path() / "faults.yaml"));
+  EXPECT_THAT(mistakes_in(std::string(kOneCamera) + "simulator: {clocks: late}\n"),
+              HasSubstr(":2:21: simulator.clocks: expected one of ideal, realistic"));
+}
+
 TEST(LoadRig, ReadsCameraSettingsByPlainNameAndFeaturesByTheirOwn) {
   const auto rig = load_rig(
       written("camera_defaults: { user_set: UserSet1, features: { Gamma: 0.45, LineInverter: true } }\n"
@@ -118,7 +128,8 @@ TEST(LoadRig, ReadsCameraSettingsByPlainNameAndFeaturesByTheirOwn) {
   EXPECT_EQ(a.offset_x, 16);
   EXPECT_FALSE(a.offset_y);
   EXPECT_TRUE(a.white_balance->auto_once);
-  EXPECT_THAT(a.features, ::testing::ElementsAre(::testing::Pair("Gamma", "1"), ::testing::Pair("LineInverter", "true")));
+  EXPECT_THAT(a.features,
+              ::testing::ElementsAre(::testing::Pair("Gamma", "1"), ::testing::Pair("LineInverter", "true")));
   EXPECT_EQ(b.white_balance->blue, 2.0);
   EXPECT_EQ(b.features[0].second, "0.45");
 }

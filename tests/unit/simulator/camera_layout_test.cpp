@@ -9,7 +9,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-bool holds(const capture::CameraModel& camera, const Vector3d& point) {
+bool sees(const capture::CameraModel& camera, const Vector3d& point) {
   const auto seen = capture::project(camera, point);
   return seen && seen->x() >= 0 && seen->y() >= 0 && seen->x() <= camera.width - 1 && seen->y() <= camera.height - 1;
 }
@@ -24,7 +24,7 @@ TEST(CameraLayout, TravellersStayInEveryPictureAndAreTall) {
       const auto rig = camera_layout(travelling_layout({.cameras = cameras, .k1 = k1}));
       for (std::size_t i = 0; i < rig.size(); ++i) {
         for (int corner = 0; corner < 8; ++corner)
-          EXPECT_TRUE(holds(rig[i], kStageVolume.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner))))
+          EXPECT_TRUE(sees(rig[i], kStageVolume.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner))))
               << cameras << " cameras, " << rig[i].name;
         const bool is_high = static_cast<int>(i) >= cameras - cameras / 5;
         if (!is_high && k1 == 0.0) {
@@ -37,6 +37,11 @@ TEST(CameraLayout, TravellersStayInEveryPictureAndAreTall) {
 
 TEST(CameraLayout, OnTheSpotAPersonIsTallerStill) {
   for (const auto& camera : camera_layout({.cameras = 4})) EXPECT_GT(rows_of_a_person(camera), 350.0) << camera.name;
+}
+
+TEST(CameraLayout, LensesForTheSpotDoNotHoldTheStageAndThoseForTravellersDo) {
+  for (const auto& camera : camera_layout({.cameras = 4})) EXPECT_FALSE(holds(camera, kStageVolume)) << camera.name;
+  for (const auto& camera : camera_layout(travelling_layout())) EXPECT_TRUE(holds(camera, kStageVolume)) << camera.name;
 }
 
 TEST(CameraLayout, ACameraAmidTheStageIsRefused) {
