@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 #include <fmt/ostream.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <fstream>
+#include <map>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <system_error>
@@ -24,8 +26,8 @@ using playback::CaptionedPicture;
 using Row = std::vector<CaptionedPicture>;
 
 constexpr int kMoments = 4;
-constexpr playback::ContactSheetOptions kSheet{.tile_width = 200, .tile_height = 250};
-constexpr playback::ContactSheetOptions kLargeSheet{.tile_width = 480, .tile_height = 600};
+constexpr playback::ContactSheetOptions kSheet{.tile_width = 160, .tile_height = 200};
+constexpr playback::ContactSheetOptions kLargeSheet{.tile_width = 400, .tile_height = 500};
 
 // One from the ring, a little from the front, and one from above at the back, as in the rig of ten.
 std::vector<capture::CameraModel> two_cameras(double scale) {
@@ -55,15 +57,15 @@ std::vector<capture::CameraModel> portrait_cameras(const Performance& person, do
 void write_jpeg(const fs::path& file, const cv::Mat& rgb) {
   cv::Mat bgr;
   cv::cvtColor(rgb, bgr, cv::COLOR_RGB2BGR);
-  if (!cv::imwrite(file.string(), bgr, {cv::IMWRITE_JPEG_QUALITY, 86}))
+  if (!cv::imwrite(file.string(), bgr, {cv::IMWRITE_JPEG_QUALITY, 82}))
     throw std::system_error(errno, std::generic_category(), "cannot write " + file.string());
 }
 
-Row portraits(const std::string& name, const GalleryOptions& options) {
-  const auto person = make_performance({.person = name, .act = "idle", .coarseness = options.coarseness});
-  SceneRenderer studio(*person, portrait_cameras(*person, options.scale));
+Row portraits(const Person& person, const GalleryOptions& options) {
+  const auto standing = make_performance(person, {.act = "idle"});
+  SceneRenderer studio(*standing, portrait_cameras(*standing, options.scale));
   Row row;
-  for (const auto& picture : studio.pictures(0.0, 0)) row.push_back({picture.rgb, row.empty() ? name : ""});
+  for (const auto& picture : studio.pictures(0.0, 0)) row.push_back({picture.rgb, row.empty() ? person.name : ""});
   return row;
 }
 
@@ -77,6 +79,15 @@ cv::Rect cut_out(const std::vector<cv::Mat>& mattes) {
   return wanted & cv::Rect({}, mattes.front().size());
 }
 
+// As large as it will be shown: all sheets are held at once.
+cv::Mat fitted(const cv::Mat& picture) {
+  const double scale = std::min(static_cast<double>(kSheet.tile_width) / picture.cols,
+                                static_cast<double>(kSheet.tile_height) / picture.rows);
+  cv::Mat small;
+  cv::resize(picture, small, {}, scale, scale, cv::INTER_AREA);
+  return small;
+}
+
 // Four moments of one person from one camera, each with its matte.
 Row moments(const std::vector<ScenePicture>& pictures, const std::string& caption, const Performance& performance) {
   std::vector<cv::Mat> mattes;
@@ -85,14 +96,14 @@ Row moments(const std::vector<ScenePicture>& pictures, const std::string& captio
   Row row;
   for (std::size_t i = 0; i < pictures.size(); ++i) {
     const auto frame = static_cast<int>(i) * performance.frames() / kMoments;
-    row.push_back({pictures[i].rgb(part).clone(), fmt::format("{} frame {}", caption, frame)});
-    row.push_back({pictures[i].matte(part).clone(), ""});
+    row.push_back({fitted(pictures[i].rgb(part)), fmt::format("{} frame {}", caption, frame)});
+    row.push_back({fitted(pictures[i].matte(part)), ""});
   }
   return row;
 }
 
-std::vector<Row> act_rows(const std::string& person, const std::string& act, const GalleryOptions& options) {
-  const auto performance = make_performance({.person = person, .act = act, .coarseness = options.coarseness});
+std::vector<Row> act_rows(const Person& person, const std::string& act, const GalleryOptions& options) {
+  const auto performance = make_performance(person, {.act = act});
   SceneRenderer studio(*performance, two_cameras(options.scale));
   std::array<std::vector<ScenePicture>, 2> by_camera;
   for (int i = 0; i < kMoments; ++i) {
@@ -101,7 +112,13 @@ std::vector<Row> act_rows(const std::string& person, const std::string& act, con
     for (std::size_t camera = 0; camera < by_camera.size(); ++camera)
       by_camera[camera].push_back(std::move(pictures[camera]));
   }
-  return {moments(by_camera[0], person + ",", *performance), moments(by_camera[1], "from above,", *performance)};
+  return {moments(by_camera[0], person.name + ",", *performance), moments(by_camera[1], "from above,", *performance)};
+}
+
+Person person_of(const std::string& name, const GalleryOptions& options) {
+  auto description = describe_person(name);
+  description.coarseness = options.coarseness;
+  return make_person(description);
 }
 
 // Before the first picture: they take a while.
@@ -126,16 +143,16 @@ void write_gallery(const fs::path& directory, const GalleryOptions& options,
   check_names(options);
   fs::create_directories(directory);
   std::vector<Row> people;
-  for (const auto& person : options.people) people.push_back(portraits(person, options));
-  write_jpeg(directory / "people.jpg", playback::tile(people, kLargeSheet));
-  if (progress) progress("people");
-  for (const auto& act : options.acts) {
-    std::vector<Row> rows;
-    for (const auto& person : options.people)
-      for (auto& row : act_rows(person, act, options)) rows.push_back(std::move(row));
-    write_jpeg(directory / (act + ".jpg"), playback::tile(rows, kSheet));
-    if (progress) progress(act);
+  std::map<std::string, std::vector<Row>> sheets;
+  for (const auto& name : options.people) {
+    const Person person = person_of(name, options);
+    people.push_back(portraits(person, options));
+    for (const auto& act : options.acts)
+      for (auto& row : act_rows(person, act, options)) sheets[act].push_back(std::move(row));
+    if (progress) progress(name);
   }
+  write_jpeg(directory / "people.jpg", playback::tile(people, kLargeSheet));
+  for (const auto& act : options.acts) write_jpeg(directory / (act + ".jpg"), playback::tile(sheets[act], kSheet));
   write_page(directory, options);
 }
 

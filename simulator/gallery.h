@@ -15,9 +15,9 @@ struct GalleryOptions {
   double scale = 1.0;                     // of what is rendered; the sheets keep their size
 };
 
-// DIR/people.jpg, DIR/<act>.jpg and DIR/gallery.md, which shows them. `progress` is told of each sheet that is written.
+// DIR/people.jpg, DIR/<act>.jpg and DIR/gallery.md, which shows them. `progress` is told of each person that is done.
 // Throws InvalidInput for people or acts that are not there, std::system_error if a file cannot be written.
 void write_gallery(const std::filesystem::path& directory, const GalleryOptions& options,
-                   const std::function<void(const std::string& sheet)>& progress = {});
+                   const std::function<void(const std::string& person)>& progress = {});
 
 }  // namespace rotunda::simulator

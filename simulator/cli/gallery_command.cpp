@@ -20,7 +20,7 @@ void add_gallery_command(CommandLine& line) {
   command->add_option("-o,--output", *output, "folder to write")->required();
   command->callback([&line, options, output] {
     line.run = [=](const std::stop_token&) -> int {
-      write_gallery(*output, *options, [](const std::string& sheet) { fmt::print(stderr, "{}\n", sheet); });
+      write_gallery(*output, *options, [](const std::string& person) { fmt::print(stderr, "{}\n", person); });
       return kDone;
     };
   });

@@ -39,7 +39,10 @@ std::unique_ptr<Performance> make_performance(const PerformanceOptions& options)
   auto description = describe_person(options.person);
   description.coarseness = options.coarseness;
   if (options.texels_per_edge) description.texels_per_edge = *options.texels_per_edge;
-  auto person = make_person(description);
+  return make_performance(make_person(description), options);
+}
+
+std::unique_ptr<Performance> make_performance(Person person, const PerformanceOptions& options) {
   auto motion = options.motion
                     ? motion_from_file(*options.motion, person.skeleton)
                     : motion_of(options.act, person.skeleton, {.travel = options.travel, .seed = options.seed});

@@ -71,6 +71,10 @@ struct PerformanceOptions {
 // bvh.h and bvh_motion.h say for files.
 std::unique_ptr<Performance> make_performance(const PerformanceOptions& options = {});
 
+// One of our people, already made: `options` then says nothing of who it is.
+struct Person;
+std::unique_ptr<Performance> make_performance(Person person, const PerformanceOptions& options);
+
 // What of the figures shows: for implementations of fingerprint().
 class Fingerprint;
 void add_to(Fingerprint& print, const std::vector<Figure>& figures);
