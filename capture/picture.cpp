@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 #include <system_error>
 
+#include "capture/packed_samples.h"
 #include "capture/ycbcr_picture.h"
 #include "config/errors.h"
 
@@ -30,50 +31,14 @@ int demosaic_code(BayerOrder order) {
   return cv::COLOR_GRAY2RGB;
 }
 
-// PFNC 12p: the first pixel's low byte, its high and the second's low nibble, the second's high byte.
-unsigned pfnc_12p_sample(std::span<const std::uint8_t> bytes, std::size_t pixel) {
-  const std::size_t at = pixel / 2 * 3;
-  return pixel % 2 == 0 ? bytes[at] | (bytes[at + 1] & 0xFU) << 8U
-                        : bytes[at + 1] >> 4U | static_cast<unsigned>(bytes[at + 2]) << 4U;
-}
-
-unsigned csi2_10p_sample(std::span<const std::uint8_t> bytes, std::size_t pixel) {
-  const std::size_t group = pixel / 4 * 5, place = pixel % 4;
-  return static_cast<unsigned>(bytes[group + place]) << 2U | (bytes[group + 4] >> (2 * place) & 0x3U);
-}
-
-unsigned csi2_12p_sample(std::span<const std::uint8_t> bytes, std::size_t pixel) {
-  const std::size_t group = pixel / 2 * 3, place = pixel % 2;
-  return static_cast<unsigned>(bytes[group + place]) << 4U | (bytes[group + 2] >> (4 * place) & 0xFU);
-}
-
-unsigned word_sample(std::span<const std::uint8_t> bytes, std::size_t pixel) {
-  return bytes[2 * pixel] | static_cast<unsigned>(bytes[2 * pixel + 1]) << 8U;
-}
-
-// Samples above what `bits` can say are a camera's mistake; they show as white.
-template <class Sample>
-cv::Mat unpacked(const Image& image, int bits, Sample sample) {
-  cv::Mat samples(image.height, image.width, CV_16UC1);
-  auto* out = samples.ptr<std::uint16_t>();
-  const auto bytes = image.bytes();
-  const unsigned white = (1U << bits) - 1;
-  for (std::size_t i = 0; i < samples.total(); ++i)
-    out[i] = static_cast<std::uint16_t>(std::min(sample(bytes, i), white));
-  return samples;
-}
-
+// Samples above what the bits can say are a camera's mistake; they show as white.
 cv::Mat unpack(const Image& image, const PixelLayout& layout) {
-  switch (layout.packing) {
-    case PixelPacking::pfnc_12p:
-      return unpacked(image, layout.bits, pfnc_12p_sample);
-    case PixelPacking::csi2_10p:
-      return unpacked(image, layout.bits, csi2_10p_sample);
-    case PixelPacking::csi2_12p:
-      return unpacked(image, layout.bits, csi2_12p_sample);
-    default:
-      return unpacked(image, layout.bits, word_sample);
-  }
+  cv::Mat samples(image.height, image.width, CV_16UC1);
+  const auto unpacked = unpack_samples(image.bytes(), samples.total(), layout.packing);
+  const auto white = static_cast<std::uint16_t>((1U << layout.bits) - 1);
+  std::transform(unpacked.begin(), unpacked.end(), samples.ptr<std::uint16_t>(),
+                 [&](std::uint16_t sample) { return std::min(sample, white); });
+  return samples;
 }
 
 cv::Mat demosaic_deep(const Image& image, const PixelLayout& layout) {

@@ -8,8 +8,11 @@
 #include <string>
 #include <vector>
 
+#include "capture/base/readable_file.h"
 #include "capture/take/frame_record.h"
 #include "capture/take/take.h"
+
+struct AVStream;
 
 namespace rotunda::capture {
 
@@ -31,9 +34,6 @@ CameraFileHeader read_camera_file_header(const std::filesystem::path& file);
 class CameraFileReader {
  public:
   CameraFileReader(const std::filesystem::path& file, const TakeCamera& camera);
-  ~CameraFileReader();
-  CameraFileReader(CameraFileReader&&) noexcept;
-  CameraFileReader& operator=(CameraFileReader&&) noexcept;
 
   const std::vector<StoredFrame>& frames() const { return frames_; }  // in the file's order
   const std::string& problem() const { return problem_; }             // empty if the file ends as it should
@@ -41,15 +41,19 @@ class CameraFileReader {
   // The frame's pixels, checked against its CRC; nothing if they are not what was recorded. Several threads may read.
   // Throws std::system_error if the disk fails.
   std::optional<Frame> read(const StoredFrame& stored) const;
+  // The pixels alone, whatever their CRC says; nothing if they cannot be had.
+  std::optional<std::vector<std::uint8_t>> read_bytes(const StoredFrame& stored) const;
+  bool lossless() const { return lossless_; }  // FFV1, not as it came
 
  private:
-  class Descriptor;
   void index();
+  void require_coding(const AVStream& stream);
 
   std::filesystem::path file_;
   TakeCamera camera_;
-  std::unique_ptr<Descriptor> descriptor_;
-  std::vector<std::uint8_t> ffv1_configuration_;  // CodecPrivate; empty for raw pixels
+  std::optional<ReadableFile> input_;
+  bool lossless_ = false;
+  std::vector<std::uint8_t> ffv1_configuration_;  // CodecPrivate
   std::vector<StoredFrame> frames_;
   std::string problem_;
 };

@@ -10,18 +10,17 @@
 #include <cmath>
 #include <cstring>
 #include <new>
-#include <opencv2/imgproc.hpp>
 #include <system_error>
 
 #include "capture/base/av_objects.h"
 #include "capture/base/crc32c.h"
-#include "capture/take/frame_record.h"
+#include "capture/take/camera_stream.h"
+#include "capture/take/ffv1_picture.h"
 #include "config/errors.h"
 
 extern "C" {
 #include <libavcodec/avcodec.h>
 #include <libavformat/avformat.h>
-#include <libavutil/opt.h>
 }
 
 namespace rotunda::capture {
@@ -31,94 +30,8 @@ namespace fs = std::filesystem;
 
 constexpr AVRational kMilliseconds{1, 1000};
 
-// 8-bit RGB enters FFV1 as blue, green, red, nothing: the one 8-bit RGB layout it codes.
-constexpr AVPixelFormat kFfv1Rgb = AV_PIX_FMT_BGR0;
-
-AvCodec open_ffv1(const TakeCamera& camera, AVRational rate) {
-  AvCodec codec = make_encoder("ffv1");
-  codec->width = camera.width;
-  codec->height = camera.height;
-  codec->pix_fmt = kFfv1Rgb;
-  codec->time_base = av_inv_q(rate);
-  codec->level = 3;
-  codec->gop_size = 1;
-  codec->slices = 4;
-  codec->thread_count = 1;
-  av_opt_set_int(codec->priv_data, "slicecrc", 1, 0);
-  check(avcodec_open2(codec.get(), nullptr, nullptr), camera.name + ": FFV1 encoder");
-  return codec;
-}
-
-// Y'CbCr goes in under the name that players know it by, so that they show its colours.
-struct YcbcrStream {
-  PixelFormat format;
-  std::uint32_t tag;
-  AVPixelFormat av_format;
-};
-constexpr std::array kYcbcrStreams{
-    YcbcrStream{PixelFormat::yuyv, MKTAG('Y', 'U', 'Y', '2'), AV_PIX_FMT_YUYV422},
-    YcbcrStream{PixelFormat::uyvy, MKTAG('U', 'Y', 'V', 'Y'), AV_PIX_FMT_UYVY422},
-    YcbcrStream{PixelFormat::nv12, MKTAG('N', 'V', '1', '2'), AV_PIX_FMT_NV12},
-};
-
-void describe_colours(AVCodecParameters& parameters, YcbcrCoding coding) {
-  const bool bt709 = coding == YcbcrCoding::bt709_limited || coding == YcbcrCoding::bt709_full;
-  const bool full = coding == YcbcrCoding::bt601_full || coding == YcbcrCoding::bt709_full;
-  parameters.color_space = bt709 ? AVCOL_SPC_BT709 : AVCOL_SPC_SMPTE170M;
-  parameters.color_range = full ? AVCOL_RANGE_JPEG : AVCOL_RANGE_MPEG;
-}
-
-void describe_ycbcr(AVCodecParameters& parameters, const TakeCamera& camera) {
-  const auto stream = std::find_if(kYcbcrStreams.begin(), kYcbcrStreams.end(),
-                                   [&](const auto& row) { return row.format == camera.format; });
-  parameters.codec_id = AV_CODEC_ID_RAWVIDEO;
-  parameters.codec_tag = stream->tag;
-  parameters.format = stream->av_format;
-  parameters.width = camera.width;
-  describe_colours(parameters, camera.ycbcr);
-}
-
-void describe_jpeg(AVCodecParameters& parameters, const TakeCamera& camera) {
-  parameters.codec_id = AV_CODEC_ID_MJPEG;
-  parameters.format = AV_PIX_FMT_YUVJ422P;
-  parameters.width = camera.width;
-  describe_colours(parameters, YcbcrCoding::bt601_full);
-}
-
-// Samples as grey, as wide as a row has bytes: packed and 16-bit pixels are not bytes.
-void describe_samples(AVCodecParameters& parameters, const TakeCamera& camera) {
-  parameters.codec_id = AV_CODEC_ID_RAWVIDEO;
-  parameters.codec_tag = MKTAG('Y', '8', '0', '0');
-  parameters.format = AV_PIX_FMT_GRAY8;
-  const auto rows = static_cast<std::size_t>(camera.height);
-  parameters.width = static_cast<int>((image_bytes(camera.width, camera.height, camera.format) + rows - 1) / rows);
-}
-
-void describe_as_it_came(AVCodecParameters& parameters, const TakeCamera& camera) {
-  parameters.codec_type = AVMEDIA_TYPE_VIDEO;
-  parameters.height = camera.height;
-  if (camera.format == PixelFormat::mjpeg)
-    describe_jpeg(parameters, camera);
-  else if (is_ycbcr(camera.format))
-    describe_ycbcr(parameters, camera);
-  else
-    describe_samples(parameters, camera);
-}
-
 std::string colours_in_words(PixelFormat format, YcbcrCoding coding) {
   return is_ycbcr(format) ? fmt::format(" ({})", to_string(coding)) : "";
-}
-
-AvFrame wrap_for_ffv1(const Image& image) {
-  AvFrame picture = make_frame();
-  picture->format = kFfv1Rgb;
-  picture->width = image.width;
-  picture->height = image.height;
-  check(av_frame_get_buffer(picture.get(), 0), "picture buffer");
-  const cv::Mat rgb(image.height, image.width, CV_8UC3, const_cast<std::uint8_t*>(image.pixels.get()));
-  cv::Mat bgr0(image.height, image.width, CV_8UC4, picture->data[0], static_cast<std::size_t>(picture->linesize[0]));
-  cv::cvtColor(rgb, bgr0, cv::COLOR_RGB2BGRA);
-  return picture;
 }
 
 // The file under the muxer. libavformat's own file protocol copies through a buffer of 256 kB; this one passes the
@@ -179,10 +92,10 @@ AvOutput make_matroska(AVIOContext* io) {
 
 class CameraFileWriter::Muxer {
  public:
-  Muxer(const fs::path& file, const TakeCamera& camera, double fps)
+  Muxer(const fs::path& file, const TakeCamera& camera, double fps, CameraFileCoding coding)
       : file_(file), camera_(camera), disk_(file), output_(make_matroska(disk_.context())) {
-    const AVRational rate = av_d2q(fps, 1'000'000);
-    add_stream(rate);
+    add_stream(av_d2q(fps, 1'000'000), coding == CameraFileCoding::lossless || camera.format == PixelFormat::rgb8);
+    if (coding == CameraFileCoding::lossless) output_->flags |= AVFMT_FLAG_BITEXACT;  // no random numbers in the file
     AVDictionary* options = nullptr;
     // Frames carry their own check sum, in hardware; libavformat's per cluster costs a tenth of a core at 100 MB/s.
     av_dict_set_int(&options, "write_crc32", 0, 0);
@@ -193,14 +106,14 @@ class CameraFileWriter::Muxer {
     check_written();
   }
 
-  void write(const Frame& frame, const TriggerTime& time) {
+  void write(const Image& image, const FrameRecord& record, std::chrono::nanoseconds in_take) {
     if (failed_ != 0) fail();
-    require_shape(frame.image);
-    const AvPacket packet = encoder_ ? compressed(frame.image) : borrowed(frame.image);
+    require_shape(image);
+    const AvPacket packet = encoder_ ? encoder_->encode(image) : borrowed(image);
     packet->flags |= AV_PKT_FLAG_KEY;
-    packet->pts = packet->dts = next_time(time.in_take);
+    packet->pts = packet->dts = next_time(in_take);
     packet->duration = 0;
-    attach_record(*packet, frame, time.moment);
+    attach_record(*packet, record);
     failed_ = std::min(av_write_frame(output_.get(), packet.get()), 0);
     if (failed_ == 0) failed_ = std::min(av_write_frame(output_.get(), nullptr), 0);  // ends the cluster
     check_written();
@@ -233,14 +146,15 @@ class CameraFileWriter::Muxer {
   }
 
  private:
-  void add_stream(AVRational rate) {
+  void add_stream(AVRational rate, bool lossless) {
     AVStream* stream = avformat_new_stream(output_.get(), nullptr);
     if (stream == nullptr) throw std::bad_alloc();
     stream->time_base = kMilliseconds;
     stream->avg_frame_rate = rate;
-    if (camera_.format == PixelFormat::rgb8) {
-      encoder_ = open_ffv1(camera_, rate);
-      check(avcodec_parameters_from_context(stream->codecpar, encoder_.get()), file_.string());
+    if (lossless) {
+      encoder_.emplace(camera_, rate);
+      encoder_->describe(*stream->codecpar);
+      av_dict_set(&stream->metadata, kFfv1LayoutTag, std::string(to_string(ffv1_layout(camera_))).c_str(), 0);
     } else {
       describe_as_it_came(*stream->codecpar, camera_);
     }
@@ -256,15 +170,6 @@ class CameraFileWriter::Muxer {
     return packet;
   }
 
-  AvPacket compressed(const Image& image) {
-    AvFrame picture = wrap_for_ffv1(image);
-    picture->pts = encoded_++;
-    check(avcodec_send_frame(encoder_.get(), picture.get()), file_.string());
-    AvPacket packet = make_packet();
-    check(avcodec_receive_packet(encoder_.get(), packet.get()), file_.string());
-    return packet;
-  }
-
   // Milliseconds, rising: Matroska and its readers expect that, and the exact time is in the record.
   std::int64_t next_time(std::chrono::nanoseconds in_take) {
     const auto rounded = std::chrono::round<std::chrono::milliseconds>(in_take).count();
@@ -272,12 +177,8 @@ class CameraFileWriter::Muxer {
     return last_time_;
   }
 
-  static void attach_record(AVPacket& packet, const Frame& frame, Timestamp trigger_time) {
-    const auto record = encode({.trigger = frame.trigger,
-                                .trigger_time = trigger_time,
-                                .exposure_start = frame.exposure_start,
-                                .exposure = frame.exposure,
-                                .pixels_crc = crc32c(frame.image.bytes())});
+  static void attach_record(AVPacket& packet, const FrameRecord& frame_record) {
+    const auto record = encode(frame_record);
     constexpr std::array<std::uint8_t, 8> block_add_id{0, 0, 0, 0, 0, 0, 0, 1};
     std::uint8_t* data =
         av_packet_new_side_data(&packet, AV_PKT_DATA_MATROSKA_BLOCKADDITIONAL, block_add_id.size() + record.size());
@@ -306,21 +207,30 @@ class CameraFileWriter::Muxer {
   TakeCamera camera_;
   OutputFile disk_;
   AvOutput output_;
-  AvCodec encoder_;              // only for RGB
-  std::int64_t encoded_ = 0;     // frames
+  std::optional<Ffv1Encoder> encoder_;
   std::int64_t last_time_ = -1;  // milliseconds
   std::int64_t whole_ = 0;       // bytes up to the end of the last whole frame
   int failed_ = 0;               // FFmpeg's error, once a write has failed
 };
 
-CameraFileWriter::CameraFileWriter(const fs::path& file, const TakeCamera& camera, double fps)
-    : muxer_(std::make_unique<Muxer>(file, camera, fps)) {}
+CameraFileWriter::CameraFileWriter(const fs::path& file, const TakeCamera& camera, double fps, CameraFileCoding coding)
+    : muxer_(std::make_unique<Muxer>(file, camera, fps, coding)) {}
 CameraFileWriter::~CameraFileWriter() = default;
 CameraFileWriter::CameraFileWriter(CameraFileWriter&&) noexcept = default;
 CameraFileWriter& CameraFileWriter::operator=(CameraFileWriter&&) noexcept = default;
 
 void CameraFileWriter::write(const Frame& frame, const TriggerTime& time) {
-  muxer_->write(frame, time);
+  muxer_->require_shape(frame.image);
+  muxer_->write(frame.image,
+                {.trigger = frame.trigger,
+                 .trigger_time = time.moment,
+                 .exposure_start = frame.exposure_start,
+                 .exposure = frame.exposure,
+                 .pixels_crc = crc32c(frame.image.bytes())},
+                time.in_take);
+}
+void CameraFileWriter::write(const Image& image, const FrameRecord& record, std::chrono::nanoseconds in_take) {
+  muxer_->write(image, record, in_take);
 }
 void CameraFileWriter::require_shape(const Image& image) const {
   muxer_->require_shape(image);

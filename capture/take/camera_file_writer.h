@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "capture/take/frame_record.h"
 #include "capture/take/take.h"
 
 namespace rotunda::capture {
@@ -19,9 +20,14 @@ struct TriggerTime {
   std::chrono::nanoseconds in_take{};
 };
 
+// How pixels are kept: as they came, or (always for RGB) as FFV1. Throws InvalidInput for lossless where ffv1_layout()
+// is none.
+enum class CameraFileCoding { as_it_came, lossless };
+
 class CameraFileWriter {
  public:
-  CameraFileWriter(const std::filesystem::path& file, const TakeCamera& camera, double fps);
+  CameraFileWriter(const std::filesystem::path& file, const TakeCamera& camera, double fps,
+                   CameraFileCoding coding = CameraFileCoding::as_it_came);
   ~CameraFileWriter();  // leaves the frames written so far readable
   CameraFileWriter(CameraFileWriter&&) noexcept;
   CameraFileWriter& operator=(CameraFileWriter&&) noexcept;
@@ -30,6 +36,8 @@ class CameraFileWriter {
   void require_shape(const Image& image) const;
   // The same, and writes.
   void write(const Frame& frame, const TriggerTime& time);
+  // A frame that has its record already; what the record says of the pixels is not looked at.
+  void write(const Image& image, const FrameRecord& record, std::chrono::nanoseconds in_take);
   // Duration and seek index; then to disk. Nothing can be written afterwards.
   void close();
   // What was written reaches the disk before this returns. Safe beside write() from another thread.

@@ -2,7 +2,9 @@
 
 #include <system_error>
 
+#include "capture/take/archive_manifest.h"
 #include "capture/take/take_reader.h"
+#include "capture/take/take_restore.h"
 
 namespace rotunda::capture {
 namespace {
@@ -14,6 +16,10 @@ TakeReport begin(const TakeReader& take) {
   report.first_trigger = take.info().first_trigger;
   report.frame_sets = take.frame_set_count();
   report.problems = take.problems();
+  if (is_archive(take.folder())) {
+    const auto more = archive_problems(take.folder());
+    report.problems.insert(report.problems.end(), more.begin(), more.end());
+  }
   for (std::size_t i = 0; i < take.info().cameras.size(); ++i)
     report.cameras.push_back({.name = take.info().cameras[i].name, .corrupt = take.unplaced_frames(i)});
   return report;

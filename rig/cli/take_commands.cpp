@@ -7,6 +7,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "capture/take/archive_manifest.h"
 #include "capture/take/take.h"
 #include "capture/take/take_edit.h"
 #include "capture/take/take_export.h"
@@ -159,7 +160,9 @@ int show_take(const CommandLine& line, const std::string& name) {
   const capture::TakeReader reader(folder);
   const auto& info = reader.info();
   if (line.json) {
-    fmt::print("{}\n", to_json(info).dump(2));
+    auto answer = to_json(info);
+    answer["archived"] = capture::is_archive(folder);
+    fmt::print("{}\n", answer.dump(2));
     return kDone;
   }
   fmt::print("{} ({})\n  {}, {} frame sets at {} Hz, {} complete\n", info.name, folder.string(),
@@ -178,7 +181,8 @@ int show_take(const CommandLine& line, const std::string& name) {
     fmt::print("  mark at frame {}: {}\n", mark.trigger - info.first_trigger, mark.text);
   for (const auto& incident : reader.journal().incidents)
     fmt::print("  at frame {}: {}\n", incident.trigger - info.first_trigger, incident.text);
-  fmt::print("  {:.1f} MB on disk\n", static_cast<double>(bytes_in(folder)) / 1e6);
+  fmt::print("  {:.1f} MB on disk{}\n", static_cast<double>(bytes_in(folder)) / 1e6,
+             capture::is_archive(folder) ? ", archived: as it was recorded by rotunda take restore" : "");
   for (const auto& problem : reader.problems()) fmt::print("  problem: {}\n", problem);
   return kDone;
 }
@@ -292,6 +296,7 @@ void add_take_commands(CommandLine& line) {
               [&line](const std::string& name, std::stop_token) { return show_take(line, name); });
   add_take_check_commands(*take, line);
   add_take_edit_commands(*take, line);
+  add_take_archive_commands(*take, line);
   add_import(*take, line);
   add_export(*take, line);
 }
