@@ -143,6 +143,24 @@ std::string_view name_of(int opcode) {
 struct TriggerBox::Usb {
   Context context;
   Handle handle;
+  unsigned char out = 0, in = 0;  // endpoints
+
+  // A board's USB stack may give them numbers of its own.
+  void find_endpoints() {
+    libusb_config_descriptor* raw = nullptr;
+    if (libusb_get_active_config_descriptor(libusb_get_device(handle.get()), &raw) != 0) return;
+    const std::unique_ptr<libusb_config_descriptor, decltype(&libusb_free_config_descriptor)> configuration(
+        raw, &libusb_free_config_descriptor);
+    if (configuration->bNumInterfaces == 0 || configuration->interface[0].num_altsetting == 0) return;
+    const auto& interface = configuration->interface[0].altsetting[0];
+    for (int i = 0; i < interface.bNumEndpoints; ++i) {
+      const auto& endpoint = interface.endpoint[i];
+      if ((endpoint.bmAttributes & 3) != LIBUSB_TRANSFER_TYPE_BULK) continue;
+      auto& address = (endpoint.bEndpointAddress & LIBUSB_ENDPOINT_IN) != 0 ? in : out;
+      if (address == 0) address = endpoint.bEndpointAddress;
+    }
+  }
+
   // Bytes moved; sets `error` when it was not a mere timeout.
   int transfer(unsigned char endpoint, Message& message, unsigned timeout_ms, int& error) const {
     int bytes = 0;
@@ -168,6 +186,9 @@ TriggerBox::TriggerBox(const std::string& serial, PulseSink sink)
   usb_->handle = std::move(box.handle);
   if (const int error = libusb_claim_interface(usb_->handle.get(), 0); error < 0)
     fail(fmt::format("{} is in use by another program: {}", serial_, libusb_strerror(error)));
+  usb_->find_endpoints();
+  if (usb_->in == 0 || usb_->out == 0)
+    fail(fmt::format("{} has no bulk endpoints; its firmware is not a trigger box's", serial_));
   thread_ = std::jthread([this](std::stop_token stop) { listen(std::move(stop)); });
   const auto hello = command({.opcode = TRIGGER_BOX_HELLO});
   if (hello.value32 >> 16 != TRIGGER_BOX_PROTOCOL)
@@ -205,7 +226,7 @@ TriggerBox::Reply TriggerBox::ask(const Request& request) {
   store(message, 4, 4, request.value32);
   store(message, 8, 8, request.value64);
   int error = 0;
-  if (usb_->transfer(TRIGGER_BOX_ENDPOINT_OUT, message, 1000, error) != TRIGGER_BOX_MESSAGE_BYTES)
+  if (usb_->transfer(usb_->out, message, 1000, error) != TRIGGER_BOX_MESSAGE_BYTES)
     lose(error ? libusb_strerror(error) : "it takes no commands");
   std::unique_lock lock(mutex_);
   answered_.wait_for(lock, kAnswerTime, [&] { return reply_ || lost_; });
@@ -278,7 +299,7 @@ void TriggerBox::listen(std::stop_token stop) {
     }
     Message message{};
     int error = 0;
-    const int bytes = usb_->transfer(TRIGGER_BOX_ENDPOINT_IN, message, kListenMs, error);
+    const int bytes = usb_->transfer(usb_->in, message, kListenMs, error);
     if (error) return lose(libusb_strerror(error));
     if (bytes == TRIGGER_BOX_MESSAGE_BYTES) take_message(message.data(), RigClock::now());
   }
@@ -293,7 +314,7 @@ void TriggerBox::read_clock() {
     clock_asked_ = RigClock::now();
   }
   int error = 0;
-  usb_->transfer(TRIGGER_BOX_ENDPOINT_OUT, message, 1000, error);
+  usb_->transfer(usb_->out, message, 1000, error);
   if (error) lose(libusb_strerror(error));
 }
 
