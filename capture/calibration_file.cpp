@@ -4,7 +4,6 @@
 #include <yaml-cpp/yaml.h>
 
 #include <Eigen/LU>
-#include <Eigen/SVD>
 #include <cmath>
 #include <fstream>
 #include <iterator>
@@ -15,15 +14,14 @@
 #include <stdexcept>
 #include <system_error>
 
+#include "capture/calibration/camera_rules.h"
 #include "config/errors.h"
 
 namespace rotunda::capture {
 namespace {
 
-constexpr std::size_t kLargestFile = 16U << 20U;  // bytes; a thousand cameras take one
-constexpr int kLargestSide = 65536;               // pixels
-constexpr double kRotationTolerance = 1e-3;       // |R R^T - I|: four written digits; more is a mistake
-constexpr double kRoundingTolerance = 1e-9;       // below it R is as good as doubles written in full
+constexpr double kLargestColourGain = 100.0, kLeastColourVolume = 1e-6;  // of a colour matrix, its determinant
+constexpr std::size_t kLargestFile = 16U << 20U;                         // bytes; a thousand cameras take one
 
 // Collects the mistakes of one camera's map under its place in the file.
 class CameraReader {
@@ -32,23 +30,27 @@ class CameraReader {
       : map_(map), place_(std::move(place)), problems_(problems) {}
 
   std::optional<CameraModel> read();
+  const std::optional<Eigen::Matrix3d>& colour() const { return colour_; }  // after read()
 
  private:
   void complain(const YAML::Node& node, const std::string& key, std::string message);
   YAML::Node wanted(const char* key, const char* what);
   std::optional<std::vector<double>> numbers(const YAML::Node& node, const char* key, std::size_t rows,
                                              std::size_t columns);
+  void tell(const YAML::Node& node, const char* key, std::string mistake);  // nothing if it is empty
   void read_name(CameraModel& camera);
   void read_size(CameraModel& camera);
   void read_K(CameraModel& camera);
   void read_distortion(CameraModel& camera);
   void read_pose(CameraModel& camera);
   void read_rms(CameraModel& camera);
+  void read_colour();
 
   const YAML::Node map_;
   std::string place_;
   std::vector<ConfigProblem>& problems_;
   std::string name_;
+  std::optional<Eigen::Matrix3d> colour_;
 };
 
 int counted_from_one(int place) {
@@ -119,43 +121,29 @@ std::optional<std::vector<double>> CameraReader::numbers(const YAML::Node& node,
   return values;
 }
 
-// The name becomes a file's (<camera>.mkv) and a folder's name.
+void CameraReader::tell(const YAML::Node& node, const char* key, std::string mistake) {
+  if (!mistake.empty()) complain(node, key, std::move(mistake));
+}
+
 void CameraReader::read_name(CameraModel& camera) {
   const YAML::Node node = wanted("name", "the camera's name");
   if (!node.IsDefined()) return;
-  if (!node.IsScalar() || node.Scalar().empty() || node.Scalar().front() == '.' || node.Scalar().size() > 200 ||
-      node.Scalar().find_first_of(std::string("/\\\0\n", 4)) != std::string::npos)
-    return complain(node, "name", "expected a name that can name a file: not empty, no slash, no leading dot");
-  camera.name = name_ = node.Scalar();
+  tell(node, "name", set_name(camera, node.IsScalar() ? node.Scalar() : std::string()));
+  name_ = camera.name;
 }
 
 void CameraReader::read_size(CameraModel& camera) {
   const YAML::Node node = wanted("image_size", "[width, height] in pixels");
   if (!node.IsDefined()) return;
-  const auto size = numbers(node, "image_size", 1, 2);
-  if (!size) return;
-  for (const double side : *size)
-    if (side < 1 || side > kLargestSide || side != std::floor(side))
-      return complain(node, "image_size",
-                      fmt::format("expected whole pixels from 1 to {}, found {}", kLargestSide, side));
-  camera.width = static_cast<int>((*size)[0]);
-  camera.height = static_cast<int>((*size)[1]);
+  if (const auto size = numbers(node, "image_size", 1, 2))
+    tell(node, "image_size", set_image_size(camera, (*size)[0], (*size)[1]));
 }
 
 void CameraReader::read_K(CameraModel& camera) {
   const YAML::Node node = wanted("K", "a 3 x 3 matrix");
   if (!node.IsDefined()) return;
-  const auto values = numbers(node, "K", 3, 3);
-  if (!values) return;
-  Eigen::Matrix3d K = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(values->data());
-  if (std::abs(K(2, 2)) < 1e-12) return complain(node, "K", "expected 1 in the lower right corner, found 0");
-  if (K(2, 2) != 1.0) K = Eigen::Matrix3d(K / K(2, 2));
-  const double focal_length = std::max(std::abs(K(0, 0)), std::abs(K(1, 1)));
-  if (std::max({std::abs(K(1, 0)), std::abs(K(2, 0)), std::abs(K(2, 1))}) > 1e-9 * (1.0 + focal_length))
-    return complain(node, "K", "expected an upper triangular matrix (fx skew cx, 0 fy cy, 0 0 1)");
-  if (std::min(std::abs(K(0, 0)), std::abs(K(1, 1))) < 1e-6)
-    return complain(node, "K", fmt::format("focal lengths must not be zero, found {} and {} px", K(0, 0), K(1, 1)));
-  camera.K = K.triangularView<Eigen::Upper>();
+  if (const auto values = numbers(node, "K", 3, 3))
+    tell(node, "K", set_K(camera, Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(values->data())));
 }
 
 void CameraReader::read_distortion(CameraModel& camera) {
@@ -173,14 +161,7 @@ void CameraReader::read_pose(CameraModel& camera) {
   if (!rotation.IsDefined()) return;
   const auto values = numbers(rotation, "R", 3, 3);
   if (!values) return;
-  camera.R = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(values->data());
-  const double error = (camera.R * camera.R.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
-  if (!(error <= kRotationTolerance))
-    return complain(rotation, "R",
-                    fmt::format("expected a rotation (or a mirrored one); R R^T is off by {:.2g}", error));
-  if (error <= kRoundingTolerance) return;
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(camera.R, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  camera.R = svd.matrixU() * svd.matrixV().transpose();  // the nearest orthonormal matrix to the rounded one
+  tell(rotation, "R", set_R(camera, Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(values->data())));
 }
 
 void CameraReader::read_rms(CameraModel& camera) {
@@ -191,16 +172,16 @@ void CameraReader::read_rms(CameraModel& camera) {
   if (value) camera.rms_px = (*value)[0];
 }
 
-// A negative focal length is an axis of the camera turned round: K diag(s) . diag(s) (R x + t), s = +-1. In the turned
-// plane the tangential terms change sign with their own axis (p1 with y, p2 with x).
-void make_focal_lengths_positive(CameraModel& camera) {
-  const Eigen::Vector3d sign(camera.K(0, 0) < 0 ? -1 : 1, camera.K(1, 1) < 0 ? -1 : 1, 1);
-  if (sign == Eigen::Vector3d::Ones()) return;
-  camera.K = Eigen::Matrix3d(camera.K * sign.asDiagonal());
-  camera.R = Eigen::Matrix3d(sign.asDiagonal() * camera.R);
-  camera.t = Eigen::Vector3d(sign.asDiagonal() * camera.t);
-  camera.distortion[2] *= sign.y();
-  camera.distortion[3] *= sign.x();
+void CameraReader::read_colour() {
+  const YAML::Node node = map_["colour"];
+  if (!node.IsDefined()) return;
+  const auto values = numbers(node, "colour", 3, 3);
+  if (!values) return;
+  const Eigen::Matrix3d matrix = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(values->data());
+  if (!(matrix.determinant() > kLeastColourVolume && matrix.cwiseAbs().maxCoeff() < kLargestColourGain))
+    return complain(node, "colour",
+                    "expected a matrix near gains a channel (linear light of the rig from the camera's)");
+  colour_ = matrix;
 }
 
 std::optional<CameraModel> CameraReader::read() {
@@ -216,6 +197,7 @@ std::optional<CameraModel> CameraReader::read() {
   read_distortion(camera);
   read_pose(camera);
   read_rms(camera);
+  read_colour();
   if (problems_.size() != before) return std::nullopt;
   make_focal_lengths_positive(camera);
   return camera;
@@ -257,9 +239,13 @@ CalibrationFile parse(const YAML::Node& root, std::vector<ConfigProblem>& proble
         problem_at(list.IsDefined() ? list : root, "cameras", "expected a sequence of at least one camera"));
     return calibration;
   }
-  for (std::size_t i = 0; i < list.size(); ++i)
-    if (auto camera = CameraReader(list[i], fmt::format("cameras[{}]", i), problems).read())
-      calibration.cameras.push_back(std::move(*camera));
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    CameraReader reader(list[i], fmt::format("cameras[{}]", i), problems);
+    auto camera = reader.read();
+    if (!camera) continue;
+    if (reader.colour()) calibration.colour[camera->name] = *reader.colour();
+    calibration.cameras.push_back(std::move(*camera));
+  }
   refuse_names_used_twice(list, calibration.cameras, problems);
   return calibration;
 }
@@ -298,6 +284,8 @@ std::string text_of(const CalibrationFile& calibration) {
     storage << "K" << as_mat(camera.K);
     storage << "distortion" << as_mat(Eigen::Matrix<double, 1, 5>(camera.distortion.transpose()));
     storage << "R" << as_mat(camera.R) << "t" << as_mat(camera.t);
+    if (const auto colour = calibration.colour.find(camera.name); colour != calibration.colour.end())
+      storage << "colour" << as_mat(colour->second);
     storage << "rms_px" << camera.rms_px << "}";
   }
   storage << "]";
@@ -317,6 +305,11 @@ std::string checked_text_of(const CalibrationFile& calibration) {
 }
 
 }  // namespace
+
+Eigen::Matrix3d CalibrationFile::colour_of(const std::string& camera) const {
+  const auto found = colour.find(camera);
+  return found == colour.end() ? Eigen::Matrix3d(Eigen::Matrix3d::Identity()) : found->second;
+}
 
 CalibrationFile read_calibration_file(const std::filesystem::path& file) {
   return parse_text(file, whole_text(file));
@@ -341,7 +334,7 @@ void write_calibration(const std::filesystem::path& file, const CalibrationFile&
 }
 
 void write_calibration(const std::filesystem::path& file, std::span<const CameraModel> cameras) {
-  write_calibration(file, CalibrationFile{"m", {cameras.begin(), cameras.end()}});
+  write_calibration(file, CalibrationFile{"m", {cameras.begin(), cameras.end()}, {}});
 }
 
 }  // namespace rotunda::capture

@@ -4,6 +4,7 @@
 //   cameras: a sequence of maps
 //     name, image_size [w, h], K 3x3, distortion 1x5 (k1 k2 p1 p2 k3), R 3x3 and t 3x1 with
 //     x_cam = R x_world + t, rms_px
+//     colour 3x3: linear light of the rig from that of this camera (calibration/colour_match.h); absent: the same
 // Matrices may be !!opencv-matrix or plain (nested) sequences; distortion and rms_px may be absent (zero).
 //
 // Handedness. K may have skew, and det(R) may be -1: the set's world is then a mirror image, and is kept as the file
@@ -12,7 +13,9 @@
 // length means the same mirror: reading moves its sign into R and t (and p1, p2), so focal lengths are positive after.
 //
 // Errors: ConfigError with every mistake found, each with line, column and key ("cameras[3].K (cam03)").
+#include <Eigen/Core>
 #include <filesystem>
+#include <map>
 #include <span>
 #include <string>
 #include <vector>
@@ -24,6 +27,10 @@ namespace rotunda::capture {
 struct CalibrationFile {
   std::string unit;  // "m" in files of this project; empty if the file does not say
   std::vector<CameraModel> cameras;
+  std::map<std::string, Eigen::Matrix3d> colour;  // by camera, of those that have one
+
+  // The identity where a camera has none.
+  Eigen::Matrix3d colour_of(const std::string& camera) const;
 };
 
 CalibrationFile read_calibration_file(const std::filesystem::path& file);

@@ -75,6 +75,17 @@ std::string plain(const std::string& key = {}, const std::string& replacement = 
   return text;
 }
 
+TEST_F(CalibrationFileTest, ColourIsKeptWhereThereIsOne) {
+  CalibrationFile calibration{"m", {odd_camera("cam00", 0.4), odd_camera("cam01", 2.9)}, {}};
+  calibration.colour["cam01"] << 1.1, 0.02, 0, -0.01, 0.97, 1.0 / 3.0, 0, 0, 0.9;
+  write_calibration(file_, calibration);
+  const auto read = read_calibration_file(file_);
+  EXPECT_EQ(read.colour, calibration.colour);
+  EXPECT_TRUE(read.colour_of("cam00").isIdentity(0.0));
+  EXPECT_THAT(refusal(plain("t", "t: [ 0, 0, 3 ]\n     colour: [ 1, 0, 0, 0, 1, 0, 1, 0, 0 ]")),
+              HasSubstr("cameras[0].colour (cam00)"));
+}
+
 TEST_F(CalibrationFileTest, EveryNumberSurvivesTheRoundTrip) {
   const std::vector<CameraModel> cameras{odd_camera("cam00", 0.4), odd_camera("left one", 2.9)};
   write_calibration(file_, cameras);
