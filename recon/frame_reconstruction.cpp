@@ -20,7 +20,10 @@ capture::Matte matte_for(const cv::Mat& picture, const cv::Mat& background, capt
 std::vector<ColourView> colour_views(const FrameViews& views) {
   std::vector<ColourView> result;
   for (std::size_t i = 0; i < views.cameras.size(); ++i)
-    result.push_back({views.cameras[i], views.pictures[i], views.mattes[i]});
+    result.push_back({.camera = views.cameras[i],
+                      .rgb = views.pictures[i],
+                      .matte = views.mattes[i],
+                      .colour = views.colour.empty() ? Eigen::Matrix3d(Eigen::Matrix3d::Identity()) : views.colour[i]});
   return result;
 }
 
@@ -53,11 +56,12 @@ std::uint8_t mix(std::uint8_t a, std::uint8_t b, double share) {
 
 FrameViews key_frame(const capture::FrameSet& frame_set, const StudioViews& studio,
                      std::span<const capture::Matte> given_mattes, StageClock& clock) {
-  FrameViews views{.cameras = {}, .pictures = {}, .mattes = {}, .backdrop = studio.backdrop};
+  FrameViews views{.cameras = {}, .pictures = {}, .mattes = {}, .colour = {}, .backdrop = studio.backdrop};
   for (std::size_t i = 0; i < frame_set.slots.size(); ++i) {
     auto picture = clock.run("demosaic", [&] { return capture::picture_of(frame_set.slots[i]); });
     if (picture.rgb.empty()) continue;
     views.cameras.push_back(studio.cameras[i]);
+    if (!studio.colour.empty()) views.colour.push_back(studio.colour[i]);
     views.pictures.push_back(std::move(picture.rgb));
     const bool given = i < given_mattes.size() && !given_mattes[i].alpha.empty();
     views.mattes.push_back(given ? given_mattes[i] : clock.run("key", [&] {

@@ -20,6 +20,8 @@ namespace rotunda::recon {
 struct StudioViews {
   std::vector<capture::CameraModel> cameras;
   std::vector<cv::Mat> backgrounds;  // RGB clean plates; an empty picture where there is none
+  // Linear light of the rig from the camera's (capture/calibration/colour_match.h); empty: all are the same.
+  std::vector<Eigen::Matrix3d> colour;
   capture::Backdrop backdrop = capture::Backdrop::blue;
 };
 
@@ -28,6 +30,7 @@ struct FrameViews {
   std::vector<capture::CameraModel> cameras;
   std::vector<cv::Mat> pictures;  // RGB
   std::vector<capture::Matte> mattes;
+  std::vector<Eigen::Matrix3d> colour;  // as StudioViews has it; empty: all are the same
   capture::Backdrop backdrop = capture::Backdrop::blue;
 };
 

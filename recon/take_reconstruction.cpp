@@ -109,13 +109,15 @@ std::string TakeReconstruction::settings_json() const {
     numbers.insert(numbers.end(), camera.distortion.data(), camera.distortion.data() + 5);
     cameras.push_back(numbers);
   }
-  return nlohmann::json{{"version", 1},
-                        {"cell_size", options_.cell_size},
-                        {"triangles", options_.triangles},
-                        {"level", options_.level},
-                        {"colour_level", options_.colour_level},
-                        {"cameras", cameras}}
-      .dump();
+  nlohmann::json settings{{"version", 1},
+                          {"cell_size", options_.cell_size},
+                          {"triangles", options_.triangles},
+                          {"level", options_.level},
+                          {"colour_level", options_.colour_level},
+                          {"cameras", cameras}};
+  for (const auto& matrix : studio_.views.colour)
+    settings["colour"].push_back(std::vector<double>(matrix.data(), matrix.data() + 9));
+  return settings.dump();
 }
 
 TakeReconstructionReport TakeReconstruction::run() {

@@ -49,6 +49,8 @@ TakeStudio read_take_studio(const capture::TakeReader& take, const std::optional
   TakeStudio studio;
   studio.unit = calibration.unit;
   studio.views.cameras = cameras_of(take.info(), calibration, file);
+  if (!calibration.colour.empty())
+    for (const auto& camera : take.info().cameras) studio.views.colour.push_back(calibration.colour_of(camera.name));
   for (const auto& camera : take.info().cameras) {
     const auto background = capture::background_file(take.folder(), camera.name);
     studio.views.backgrounds.push_back(fs::exists(background) ? capture::read_rgb(background) : cv::Mat());

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "capture/srgb.h"
 #include "config/errors.h"
 #include "recon/colour/spill.h"
 #include "recon/colour/visibility.h"
@@ -54,6 +55,7 @@ PreparedView prepare(const ColourView& view, const TriangleMesh& occluder, const
   prepared.rgb = rim_from_inside(
       options.remove_spill ? without_spill(view.rgb, prepared.depth_in_matte, options.backdrop) : view.rgb,
       prepared.depth_in_matte);
+  if (view.colour != Eigen::Matrix3d::Identity()) prepared.rgb = capture::with_matrix(prepared.rgb, view.colour);
   prepared.surface = render_depth(occluder, view.camera, options.depth_downscale);
   return prepared;
 }

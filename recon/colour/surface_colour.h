@@ -21,6 +21,8 @@ struct ColourView {
   capture::CameraModel camera;
   cv::Mat rgb;           // CV_8UC3 of the camera's size
   capture::Matte matte;  // of the camera's size
+  // Linear light of the rig from that of this camera; taken after the spill, which is in the camera's own colours.
+  Eigen::Matrix3d colour = Eigen::Matrix3d::Identity();
 };
 
 struct SurfaceColourOptions {

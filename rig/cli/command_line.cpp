@@ -102,6 +102,7 @@ int run_rotunda(int argc, const char* const* argv) {
   add_take_commands(line);
   add_plate_command(line);
   add_board_command(line);
+  add_calibrate_command(line);
   add_recon_commands(line);
   add_render_commands(line);
   try {
