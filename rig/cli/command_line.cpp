@@ -103,6 +103,7 @@ int run_rotunda(int argc, const char* const* argv) {
   add_plate_command(line);
   add_board_command(line);
   add_calibrate_command(line);
+  add_screen_command(line);
   add_recon_commands(line);
   add_render_commands(line);
   try {

@@ -42,6 +42,7 @@ void add_take_check_commands(CLI::App& take, CommandLine& line);  // take verify
 void add_plate_command(CommandLine& line);                        // plate
 void add_board_command(CommandLine& line);                        // board
 void add_calibrate_command(CommandLine& line);                    // calibrate
+void add_screen_command(CommandLine& line);                       // screen
 void add_recon_commands(CommandLine& line);                       // recon, map
 void add_render_commands(CommandLine& line);                      // render, play
 void add_doctor_command(CommandLine& line);                       // doctor
