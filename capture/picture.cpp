@@ -6,6 +6,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <system_error>
+#include <vector>
 
 #include "capture/packed_samples.h"
 #include "capture/ycbcr_picture.h"
@@ -66,6 +67,28 @@ cv::Mat read(const std::filesystem::path& file, int flags) {
   return picture;
 }
 
+// Alpha that is the same everywhere says nothing: the picture was merely saved with one.
+bool says_something(const cv::Mat& alpha) {
+  double least = 0, most = 0;
+  cv::minMaxLoc(alpha, &least, &most);
+  return least < most;
+}
+
+// One plane of whatever was in the file, in its own depth.
+cv::Mat matte_plane(const std::filesystem::path& file, const cv::Mat& picture) {
+  constexpr double kMostColour = 8.0;  // of 255, mean: what JPEG makes of grey stays below
+  std::vector<cv::Mat> planes;
+  cv::split(picture, planes);
+  if (planes.size() == 1) return planes[0];
+  if ((planes.size() == 4 || planes.size() == 2) && says_something(planes.back())) return planes.back();
+  const double white = picture.depth() == CV_16U ? 65535.0 : 255.0;
+  for (std::size_t i = 1; i < 3 && planes.size() >= 3; ++i)
+    if (cv::norm(planes[0], planes[i], cv::NORM_L1) / static_cast<double>(picture.total()) >
+        kMostColour * white / 255.0)
+      throw CorruptData(file.string() + ": is a picture in colour; a matte is grey, or an alpha channel");
+  return planes[planes.size() >= 3 ? 1 : 0];
+}
+
 }  // namespace
 
 cv::Mat to_rgb(const Image& image) {
@@ -99,6 +122,19 @@ cv::Mat read_rgb(const std::filesystem::path& file) {
 
 cv::Mat read_grey(const std::filesystem::path& file) {
   return read(file, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
+}
+
+cv::Mat read_matte(const std::filesystem::path& file) {
+  const cv::Mat picture = read(file, cv::IMREAD_UNCHANGED);
+  if (picture.depth() != CV_8U && picture.depth() != CV_16U)
+    throw CorruptData(file.string() + ": a matte has 8 or 16 bits a pixel");
+  const cv::Mat plane = matte_plane(file, picture);
+  double least = 0, most = 0;
+  cv::minMaxLoc(plane, &least, &most);
+  const double white = most <= 1.0 ? 1.0 : plane.depth() == CV_16U && most > 255.0 ? 65535.0 : 255.0;
+  cv::Mat alpha;
+  plane.convertTo(alpha, CV_8U, 255.0 / white);
+  return alpha;
 }
 
 void write_png(const std::filesystem::path& file, const cv::Mat& picture) {

@@ -22,6 +22,10 @@ SlotPicture picture_of(const FrameSlot& slot);
 // PNG or JPEG from disk as RGB (grey is repeated, alpha dropped). Throws CorruptData with the file's name.
 cv::Mat read_rgb(const std::filesystem::path& file);
 cv::Mat read_grey(const std::filesystem::path& file);  // CV_8UC1
+// Somebody's matte or silhouette as CV_8UC1, 255 performer: the alpha of a picture that has one, else its grey; 8 or 16
+// bits. Masks of 0 and 1, and 8-bit values in a 16-bit file, are stretched to 255. Throws CorruptData, also for a
+// picture in colour, which is no matte.
+cv::Mat read_matte(const std::filesystem::path& file);
 
 // CV_8UC1, CV_8UC3 (RGB), CV_8UC4 (RGBA, straight alpha) or CV_16UC1/3 as PNG. Throws std::system_error.
 void write_png(const std::filesystem::path& file, const cv::Mat& picture);

@@ -102,8 +102,8 @@ cv::Mat read_fitting_rgb(const fs::path& file, const CameraModel& camera, Proble
   return fitting(&read_rgb, file, camera, problems);
 }
 
-cv::Mat read_fitting_grey(const fs::path& file, const CameraModel& camera, Problems& problems) {
-  return fitting(&read_grey, file, camera, problems);
+cv::Mat read_fitting_matte(const fs::path& file, const CameraModel& camera, Problems& problems) {
+  return fitting(&read_matte, file, camera, problems);
 }
 
 }  // namespace rotunda::capture

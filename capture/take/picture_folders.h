@@ -23,6 +23,6 @@ std::vector<std::filesystem::path> list_backgrounds(const std::filesystem::path&
 
 // The picture if it can be read and has the camera's size; otherwise an empty one, and why in `problems`.
 cv::Mat read_fitting_rgb(const std::filesystem::path& file, const CameraModel& camera, Problems& problems);
-cv::Mat read_fitting_grey(const std::filesystem::path& file, const CameraModel& camera, Problems& problems);
+cv::Mat read_fitting_matte(const std::filesystem::path& file, const CameraModel& camera, Problems& problems);
 
 }  // namespace rotunda::capture

@@ -143,7 +143,7 @@ class Import {
   }
 
   void matte(const CameraSource& source, std::size_t frame, Problems& problems) const {
-    const cv::Mat alpha = read_fitting_grey(source.mattes[frame], source.model, problems);
+    const cv::Mat alpha = read_fitting_matte(source.mattes[frame], source.model, problems);
     const auto file = matte_file(folder_, source.model.name, frame);
     if (frame == 0) fs::create_directories(file.parent_path());
     if (problems.empty()) write_png(file, alpha);

@@ -18,7 +18,7 @@ struct TakeImportOptions {
   std::filesystem::path images;       // DIR/<camera>/*.png
   std::filesystem::path calibration;  // calibration.yaml; its order of cameras becomes the take's
   std::filesystem::path background;   // DIR/<camera>.png, the empty studio; may be empty
-  std::filesystem::path mattes;       // DIR/<camera>/*.png, 8-bit grey, as many as images; may be empty
+  std::filesystem::path mattes;       // DIR/<camera>/*.png, as read_matte takes them, as many as images; or none
   double fps = 25.0;
   std::string note;
 };

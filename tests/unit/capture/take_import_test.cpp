@@ -5,6 +5,7 @@
 
 #include <fstream>
 #include <functional>
+#include <opencv2/imgcodecs.hpp>
 #include <system_error>
 
 #include "capture/calibration_file.h"
@@ -132,6 +133,41 @@ TEST_F(TakeImport, KeepsBackgroundAndMattes) {
                             noise_picture(cameras[i].width, cameras[i].height, 1000 + i)));
     EXPECT_EQ(read_grey(matte_file(folder, cameras[i].name, 3)).at<std::uint8_t>(0, 0), 63);
   }
+}
+
+// One silhouette, a bright column in the middle, in every form that programs write.
+TEST_F(TakeImport, TakesMattesOfEveryKind) {
+  const auto folder = root.path();
+  const auto plane = [](int type, double white) {
+    cv::Mat mask(21, 33, type, cv::Scalar::all(0));
+    mask(cv::Rect(10, 0, 5, 21)).setTo(cv::Scalar::all(white));
+    return mask;
+  };
+  const auto with_alpha = [&](const cv::Mat& alpha) {
+    cv::Mat rgba;
+    cv::merge(std::vector<cv::Mat>{alpha * 0.3, alpha * 0.5, alpha * 0.1, alpha}, rgba);
+    return rgba;
+  };
+  cv::Mat opaque = plane(CV_8UC4, 255);
+  cv::insertChannel(cv::Mat(opaque.size(), CV_8UC1, cv::Scalar(255)), opaque, 3);
+  const std::vector<std::pair<const char*, cv::Mat>> kinds = {{"grey", plane(CV_8UC1, 255)},
+                                                              {"of ones", plane(CV_8UC1, 1)},
+                                                              {"grey as RGB", plane(CV_8UC3, 255)},
+                                                              {"16 bits", plane(CV_16UC1, 65535)},
+                                                              {"8 in 16 bits", plane(CV_16UC1, 255)},
+                                                              {"alpha", with_alpha(plane(CV_8UC1, 255))},
+                                                              {"16-bit alpha", with_alpha(plane(CV_16UC1, 65535))},
+                                                              {"opaque RGBA", opaque}};
+  for (const auto& [kind, picture] : kinds) {
+    ASSERT_TRUE(cv::imwrite((folder / "matte.png").string(), picture)) << kind;
+    EXPECT_TRUE(same_pixels(read_matte(folder / "matte.png"), plane(CV_8UC1, 255))) << kind;
+  }
+  ASSERT_TRUE(cv::imwrite((folder / "soft.png").string(), plane(CV_16UC1, 32768)));
+  EXPECT_EQ(read_matte(folder / "soft.png").at<std::uint8_t>(3, 12), 128);
+  write_png(folder / "colour.png", noise_picture(33, 21, 5));
+  EXPECT_THROW(read_matte(folder / "colour.png"), CorruptData);
+  std::ofstream(folder / "none.png") << "not a picture";
+  EXPECT_THROW(read_matte(folder / "none.png"), CorruptData);
 }
 
 TEST_F(TakeImport, TakesGreyPicturesAsGrey) {
