@@ -23,7 +23,8 @@ const std::array<Lamp, kLamps>& lamps() {
   return kRig;
 }
 
-ArrivingLight arriving_light(const LitPoint& point, SurfaceMaterial material, const Visibility& visibility) {
+ArrivingLight arriving_light(const LitPoint& point, SurfaceMaterial material, const Visibility& visibility,
+                             const Vector3f& glow) {
   const Vector3f& normal = point.normal;
   const float crease = (0.3F + 0.7F * point.openness) * std::sqrt(point.openness);
   ArrivingLight arriving;
@@ -39,7 +40,8 @@ ArrivingLight arriving_light(const LitPoint& point, SurfaceMaterial material, co
   const float floor_share = 0.5F - 0.5F * normal.z();
   const float low = std::exp(-std::max(0.0F, point.position.z()) / 0.5F);
   Vector3f around = Vector3f(0.11F, 0.115F, 0.125F) * (0.6F + 0.4F * normal.z());
-  around += kWallGlow * (0.16F + 0.30F * floor_share * (0.5F + low));
+  around += glow * (0.16F + 0.30F * floor_share * (0.5F + low));
+  arriving.glow = glow;
   arriving.surroundings = point.openness * (0.25F + 0.75F * visibility.surroundings);
   arriving.diffuse += 1.1F * arriving.surroundings * around;
   return arriving;

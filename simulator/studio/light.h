@@ -20,13 +20,15 @@ struct LitPoint {
   Eigen::Vector3f position, normal;
   float openness = 1.0F;  // how much of its nearest surroundings (folds, creases) it sees, 0 to 1
 };
+// What walls and floor throw back: blue, and what a grey studio as bright would.
+inline const Eigen::Vector3f kWallGlow{0.03F, 0.09F, 0.42F};
+inline const Eigen::Vector3f kGreyGlow = Eigen::Vector3f::Constant(0.101F);
+
 // Light that falls on a surface point; `visibility`: what the figures leave of lamps and walls.
-ArrivingLight arriving_light(const LitPoint& point, SurfaceMaterial material, const Visibility& visibility);
+ArrivingLight arriving_light(const LitPoint& point, SurfaceMaterial material, const Visibility& visibility,
+                             const Eigen::Vector3f& glow = kWallGlow);
 
 // What of the lamps' and the walls' light reaches the floor where figures stand in it, 0 to 1.
 float floor_light(const Eigen::Vector3f& position, const Visibility& visibility);
-
-// What walls and floor throw back.
-inline const Eigen::Vector3f kWallGlow{0.03F, 0.09F, 0.42F};
 
 }  // namespace rotunda::simulator

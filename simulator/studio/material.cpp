@@ -91,7 +91,7 @@ SeenLight seen_light(SurfaceMaterial material, const ArrivingLight& arriving, co
   }
   // Walls and floor, mirrored the less the rougher it is.
   const float mirrored = look.f0 + (std::max(1.0F - look.roughness, look.f0) - look.f0) * grazing + 0.2F * look.sheen;
-  seen.gloss += mirrored * arriving.surroundings * kWallGlow;
+  seen.gloss += mirrored * arriving.surroundings * arriving.glow;
   return seen;
 }
 

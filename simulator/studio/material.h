@@ -32,6 +32,7 @@ struct ArrivingLight {
   Eigen::Vector3f diffuse = Eigen::Vector3f::Zero();  // taken up, white would throw it all back
   std::array<float, kLamps> lamps{};                  // of each lamp's light, what reaches the point, before its cosine
   float surroundings = 1.0F;                          // of walls and floor
+  Eigen::Vector3f glow = Eigen::Vector3f::Zero();     // what these throw back
 };
 
 // What an eye in the direction `to_eye` sees: texture * light + gloss.

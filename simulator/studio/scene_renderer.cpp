@@ -23,7 +23,8 @@ std::array<double, 2> shutter_times(const Performance& performance, double secon
 }
 
 std::vector<std::vector<ArrivingLight>> light_on(const std::vector<recon::TriangleMesh>& surfaces,
-                                                 const std::vector<Figure>& figures, const ShadowMaps& maps) {
+                                                 const std::vector<Figure>& figures, const ShadowMaps& maps,
+                                                 const Eigen::Vector3f& glow = kWallGlow) {
   std::vector<std::vector<ArrivingLight>> light;
   for (std::size_t i = 0; i < surfaces.size(); ++i) {
     const auto& surface = surfaces[i];
@@ -32,7 +33,7 @@ std::vector<std::vector<ArrivingLight>> light_on(const std::vector<recon::Triang
       for (std::size_t v = vertices.begin(); v < vertices.end(); ++v)
         lit[v] = arriving_light({surface.positions[v], surface.normals[v], figures[i].openness[v]},
                                 figures[i].material.empty() ? SurfaceMaterial::cloth : figures[i].material[v],
-                                maps.at(surface.positions[v], surface.normals[v]));
+                                maps.at(surface.positions[v], surface.normals[v]), glow);
     });
   }
   return light;
@@ -114,6 +115,27 @@ std::vector<ScenePicture> SceneRenderer::pictures(double seconds, std::uint64_t 
 
 cv::Mat SceneRenderer::clean_plate(std::size_t camera) const {
   return to_8bit(sensors_[camera].expose(backdrops_[camera].linear, kPlateFrame));
+}
+
+cv::Mat SceneRenderer::figures_alone(std::size_t camera, double seconds, const Eigen::Vector3f& glow) const {
+  const auto surfaces = performance_.surfaces_at(seconds);
+  const auto light = light_on(surfaces, performance_.figures(), ShadowMaps(surfaces), glow);
+  const auto [opens, closes] = shutter_times(performance_, seconds, settings_of(options_, camera).exposure_s);
+  const auto layer =
+      figures_.draw(cameras_[camera], {performance_.surfaces_at(opens), performance_.surfaces_at(closes), light},
+                    default_supersampling(cameras_[camera].width));
+  // Before black and before white: the difference tells each channel's cover, which lateral colour makes its own.
+  cv::Mat before_black(backdrops_[camera].linear.size(), CV_32FC3, cv::Scalar::all(0.0)), matte;
+  cv::Mat before_white(before_black.size(), CV_32FC3, cv::Scalar::all(1.0));
+  matte = cv::Mat::zeros(before_black.size(), CV_8UC1);
+  lay_figures(lenses_[camera], {layer.box, layer.rgba.clone()}, before_black, matte);
+  lay_figures(lenses_[camera], {layer.box, layer.rgba.clone()}, before_white, matte);
+  const cv::Mat cover = cv::Scalar::all(1.0) - (before_white - before_black);
+  const cv::Mat own = before_black / cv::max(cover, 1e-3);
+  SensorOptions quiet = options_;
+  quiet.read_noise = quiet.pixel_spread = quiet.hot_pixels_per_mega = 0.0;
+  quiet.full_well *= 1e4;
+  return to_8bit(Sensor(own.size(), camera, quiet).expose(own, 0));
 }
 
 }  // namespace rotunda::simulator

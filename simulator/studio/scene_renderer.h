@@ -28,6 +28,10 @@ class SceneRenderer {
   // All cameras of one moment: surfaces, light and shadows are worked out once.
   std::vector<ScenePicture> pictures(double seconds, std::uint64_t frame) const;
   cv::Mat clean_plate(std::size_t camera) const;  // the empty studio, with noise
+  // Truth for taking out spill: CV_8UC3, the figures' own colours as the camera gives them but without noise and
+  // without the backdrop that their edges are mixed with; black where they are not. `glow`: what walls and floor throw
+  // on them.
+  cv::Mat figures_alone(std::size_t camera, double seconds, const Eigen::Vector3f& glow) const;
 
   const Performance& performance() const { return performance_; }
   const std::vector<capture::CameraModel>& cameras() const { return cameras_; }
