@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
@@ -16,7 +17,7 @@ constexpr double kLeastShare = 0.02;
 // A pixel is backdrop-coloured if its channel leads both others by a sixth; blue paint leads by a third and more even
 // where little light falls, skin and cloth other than blue do not lead at all.
 constexpr float kLead = 1.17F;
-constexpr float kDarkest = 12.0F;  // grey levels; below it no hue can be told from noise
+constexpr float kLeastLight = 12.0F;  // grey levels; below it no hue can be told from noise
 
 using Terms = Eigen::Matrix<double, kTerms, 1>;
 using Coefficients = Eigen::Matrix<double, kTerms, 3>;
@@ -29,7 +30,7 @@ struct Sample {
 bool is_backdrop(const cv::Vec3b& pixel, Backdrop backdrop) {
   const std::size_t own = backdrop == Backdrop::blue ? 2 : 1;
   const float value = pixel[static_cast<int>(own)];
-  if (value < kDarkest) return false;
+  if (value < kLeastLight) return false;
   for (int channel = 0; channel < 3; ++channel)
     if (channel != static_cast<int>(own) && value < kLead * static_cast<float>(pixel[channel])) return false;
   return true;
@@ -90,8 +91,22 @@ Coefficients robust_fit(const std::vector<Sample>& samples) {
 
 }  // namespace
 
+std::optional<Backdrop> backdrop_of(const cv::Mat& rgb) {
+  const double blue = backdrop_share(rgb, Backdrop::blue), green = backdrop_share(rgb, Backdrop::green);
+  if (std::max(blue, green) < kLeastShare) return std::nullopt;
+  return blue >= green ? Backdrop::blue : Backdrop::green;
+}
+
+KeyChannels key_channels(const cv::Mat& plate, Backdrop backdrop) {
+  const int own = backdrop == Backdrop::blue ? 2 : 1, third = 3 - own;
+  const cv::Scalar mean = cv::mean(plate);
+  return mean[0] <= mean[third] ? KeyChannels{own, 0, third} : KeyChannels{own, third, 0};
+}
+
 double backdrop_share(const cv::Mat& rgb, Backdrop backdrop) {
-  const auto samples = backdrop_samples(rgb, backdrop).size();
+  int samples = 0;
+  for (int y = kStride / 2; y < rgb.rows; y += kStride)
+    for (int x = kStride / 2; x < rgb.cols; x += kStride) samples += is_backdrop(rgb.at<cv::Vec3b>(y, x), backdrop);
   return static_cast<double>(samples) * kStride * kStride / static_cast<double>(rgb.total());
 }
 
@@ -115,6 +130,18 @@ cv::Mat fit_plate(const cv::Mat& rgb, Backdrop backdrop) {
     }
   }
   return plate;
+}
+
+cv::Mat fit_plate_picture(const cv::Mat& rgb, Backdrop backdrop) {
+  const cv::Mat logs = fit_plate(rgb, backdrop);
+  return logs.empty() ? cv::Mat() : picture_of_log(logs);
+}
+
+cv::Mat picture_of_log(const cv::Mat& logs) {
+  cv::Mat values, bytes;
+  cv::exp(logs, values);
+  values.convertTo(bytes, CV_8U, 1.0, -kLogOffset);
+  return bytes;
 }
 
 cv::Mat log_picture(const cv::Mat& rgb) {

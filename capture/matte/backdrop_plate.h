@@ -2,10 +2,19 @@
 // The plate: what the backdrop alone would look like in a picture. From a clean plate (a picture of the empty studio),
 // or fitted to the picture itself: a smooth surface through its backdrop-coloured pixels.
 #include <opencv2/core.hpp>
+#include <optional>
+
+#include "capture/matte/key_limit.h"
 
 namespace rotunda::capture {
 
 enum class Backdrop { blue, green };
+
+// The one whose colour leads in more of the picture (CV_8UC3, RGB); nothing where neither leads in a fiftieth of it.
+std::optional<Backdrop> backdrop_of(const cv::Mat& rgb);
+
+// The channels of a plate of this backdrop, by their means.
+KeyChannels key_channels(const cv::Mat& plate, Backdrop backdrop);
 
 // The share of a picture (CV_8UC3, RGB) whose hue is the backdrop's, 0 to 1.
 double backdrop_share(const cv::Mat& rgb, Backdrop backdrop);
@@ -15,9 +24,13 @@ double backdrop_share(const cv::Mat& rgb, Backdrop backdrop);
 // of the picture: then there is no backdrop to speak of.
 cv::Mat fit_plate(const cv::Mat& rgb, Backdrop backdrop);
 
+// The same as a picture, CV_8UC3; empty likewise.
+cv::Mat fit_plate_picture(const cv::Mat& rgb, Backdrop backdrop);
+
 // Keeps logarithms of dark pixels from following the sensor's noise; grey levels.
 constexpr float kLogOffset = 3.0F;
-// ln(channel + kLogOffset) of a picture, CV_32FC3.
+// ln(channel + kLogOffset) of a picture, CV_32FC3, and back to CV_8UC3.
 cv::Mat log_picture(const cv::Mat& rgb);
+cv::Mat picture_of_log(const cv::Mat& logs);
 
 }  // namespace rotunda::capture

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "capture/matte/edge_matte.h"
+#include "capture/matte/key_limit.h"
 #include "config/errors.h"
 
 namespace rotunda::capture {
@@ -18,24 +19,11 @@ constexpr double kBlur = 0.7;  // sigma, pixels: takes the demosaicing's chroma 
 // What share of a picture must show the backdrop's colour for the colour to tell anything.
 constexpr double kLeastBackdrop = 0.05;
 constexpr float kDifferenceStep = 0.16F;  // of ln(channel): 17 % off the plate's colour at its best brightness
+constexpr float kFirmLead = 0.3F;         // beyond the limit: a pixel half performer leads it by less
 constexpr int kSmallestPiece = 4000;      // a picture's area over this is the smallest piece of performer kept
 constexpr int kSmallestHole = 20000;
 constexpr float kUnlit = 28.0F;  // grey levels, mean of a whole row or column: black level and ringing, no light
 constexpr int kSpoiltLines = 4;  // pixels
-
-// The limit that d = ln(R/Rp) - ln(B/Bp) must pass to be performer, by brightness l = ln(B/Bp): shadow stays well below
-// zero where dark cloth and hair come near it.
-float limit_at(float l) {
-  constexpr std::array<std::pair<float, float>, 5> kKnots{
-      {{-3.0F, -0.9F}, {-1.5F, -0.5F}, {-0.9F, -0.15F}, {-0.5F, 0.25F}, {0.0F, 0.25F}}};
-  if (l <= kKnots.front().first) return kKnots.front().second;
-  for (std::size_t i = 1; i < kKnots.size(); ++i)
-    if (l < kKnots[i].first) {
-      const float share = (l - kKnots[i - 1].first) / (kKnots[i].first - kKnots[i - 1].first);
-      return kKnots[i - 1].second + share * (kKnots[i].second - kKnots[i - 1].second);
-    }
-  return kKnots.back().second;
-}
 
 cv::Mat blurred(const cv::Mat& rgb) {
   cv::Mat result;
@@ -43,25 +31,32 @@ cv::Mat blurred(const cv::Mat& rgb) {
   return result;
 }
 
-cv::Mat by_chroma(const cv::Mat& log_rgb, const cv::Mat& log_plate, Backdrop backdrop) {
-  const int own = backdrop == Backdrop::blue ? 2 : 1;
-  const int other = backdrop == Backdrop::blue ? 1 : 2;
-  cv::Mat inside(log_rgb.size(), CV_8UC1);
-  for (int y = 0; y < inside.rows; ++y) {
+// The performer, and of it what leads so far that it is no mixture of performer and backdrop.
+struct Inside {
+  cv::Mat all, firm;  // CV_8UC1, 255 inside
+};
+
+Inside by_chroma(const cv::Mat& log_rgb, const cv::Mat& log_plate, const KeyChannels& channels) {
+  const float least = std::log(kDarkest + kLogOffset);
+  Inside inside{cv::Mat(log_rgb.size(), CV_8UC1), cv::Mat(log_rgb.size(), CV_8UC1)};
+  for (int y = 0; y < log_rgb.rows; ++y) {
     const auto* pixel = log_rgb.ptr<cv::Vec3f>(y);
     const auto* plate = log_plate.ptr<cv::Vec3f>(y);
-    auto* out = inside.ptr<std::uint8_t>(y);
-    for (int x = 0; x < inside.cols; ++x) {
+    auto *all = inside.all.ptr<std::uint8_t>(y), *firm = inside.firm.ptr<std::uint8_t>(y);
+    for (int x = 0; x < log_rgb.cols; ++x) {
       const cv::Vec3f gain = pixel[x] - plate[x];
-      const float gained = std::max(gain[0], gain[other]) - gain[own];
-      out[x] = gained > limit_at(gain[own]) ? 255 : 0;
+      const float own = gain[channels.own];
+      const float lead = std::max(gain[channels.far] - own - key_limit(own), gain[channels.near] - own - kNearLead);
+      const bool lit = pixel[x][channels.far] > least;
+      all[x] = lit && lead > 0.0F ? 255 : 0;
+      firm[x] = lit && lead > kFirmLead ? 255 : 0;
     }
   }
   return inside;
 }
 
 // Off the plate's colour by more than a change of light explains, or lighter or darker than any shadow.
-cv::Mat by_difference(const cv::Mat& log_rgb, const cv::Mat& log_plate) {
+Inside by_difference(const cv::Mat& log_rgb, const cv::Mat& log_plate) {
   cv::Mat inside(log_rgb.size(), CV_8UC1);
   for (int y = 0; y < inside.rows; ++y)
     for (int x = 0; x < inside.cols; ++x) {
@@ -71,7 +66,7 @@ cv::Mat by_difference(const cv::Mat& log_rgb, const cv::Mat& log_plate) {
       for (int c = 0; c < 3; ++c) most = std::max(most, std::abs(gain[c] - light));
       inside.at<std::uint8_t>(y, x) = most > kDifferenceStep ? 255 : 0;
     }
-  return inside;
+  return {inside, inside};
 }
 
 // Turns the pieces of `value` (0 or 255) over that `goes` says of, by their statistics (cv::ConnectedComponentsTypes).
@@ -124,17 +119,16 @@ void fill_small_holes(cv::Mat& inside) {
   turn_pieces(inside, 0, [&](const int* piece) { return piece[cv::CC_STAT_AREA] < smallest; });
 }
 
-cv::Mat picture_of(const cv::Mat& log_plate) {
-  cv::Mat plate, bytes;
-  cv::exp(log_plate, plate);
-  plate.convertTo(bytes, CV_8U, 1.0, -kLogOffset);
-  return bytes;
+// Nothing where no screen's colour leads: then only a background's difference can tell.
+std::optional<Backdrop> backdrop_for(const cv::Mat& rgb, const ChromaKeyOptions& options, const cv::Mat& background) {
+  if (options.backdrop) return options.backdrop;
+  return backdrop_of(background.empty() ? rgb : background);
 }
 
-bool use_difference(const cv::Mat& rgb, const ChromaKeyOptions& options, const cv::Mat& background) {
-  if (options.method != KeyMethod::automatic) return options.method == KeyMethod::difference;
-  return !background.empty() && backdrop_share(background, options.backdrop) < kLeastBackdrop &&
-         backdrop_share(rgb, options.backdrop) < kLeastBackdrop;
+bool use_difference(const cv::Mat& rgb, KeyMethod method, Backdrop backdrop, const cv::Mat& background) {
+  if (method != KeyMethod::automatic) return method == KeyMethod::difference;
+  return !background.empty() && backdrop_share(background, backdrop) < kLeastBackdrop &&
+         backdrop_share(rgb, backdrop) < kLeastBackdrop;
 }
 
 void check(const cv::Mat& rgb, const ChromaKeyOptions& options, const cv::Mat& background) {
@@ -144,6 +138,8 @@ void check(const cv::Mat& rgb, const ChromaKeyOptions& options, const cv::Mat& b
         fmt::format("the background is {} x {} pixels, the picture {} x {}; record the empty studio with "
                     "the same camera settings",
                     background.cols, background.rows, rgb.cols, rgb.rows));
+  if (!options.stage.empty() && (options.stage.size() != rgb.size() || options.stage.type() != CV_8UC1))
+    throw InvalidInput("the stage's mask is not of the picture's size");
   if (options.method == KeyMethod::difference && background.empty())
     throw InvalidInput("keying by difference needs a picture of the empty studio (--background)");
 }
@@ -152,14 +148,17 @@ void check(const cv::Mat& rgb, const ChromaKeyOptions& options, const cv::Mat& b
 
 Matte chroma_key(const cv::Mat& rgb, const ChromaKeyOptions& options, const cv::Mat& background) {
   check(rgb, options, background);
+  const auto backdrop = backdrop_for(rgb, options, background).value_or(Backdrop::blue);
   const cv::Mat log_rgb = log_picture(blurred(rgb));
-  const bool difference = use_difference(rgb, options, background);
-  const cv::Mat log_plate = background.empty() ? fit_plate(rgb, options.backdrop) : log_picture(blurred(background));
+  const bool difference = use_difference(rgb, options.method, backdrop, background);
+  const cv::Mat log_plate = background.empty() ? fit_plate(rgb, backdrop) : log_picture(blurred(background));
   if (log_plate.empty()) return {cv::Mat::zeros(rgb.size(), CV_8UC1)};
-  cv::Mat inside = difference ? by_difference(log_rgb, log_plate) : by_chroma(log_rgb, log_plate, options.backdrop);
-  drop_stray_pieces(inside, lit_area(rgb));
-  fill_small_holes(inside);
-  return edge_matte(rgb, background.empty() ? picture_of(log_plate) : background, inside);
+  Inside inside =
+      difference ? by_difference(log_rgb, log_plate) : by_chroma(log_rgb, log_plate, key_channels(log_plate, backdrop));
+  if (!options.stage.empty()) inside.all &= options.stage;
+  drop_stray_pieces(inside.all, lit_area(rgb));
+  fill_small_holes(inside.all);
+  return edge_matte(rgb, background.empty() ? picture_of_log(log_plate) : background, inside.all, inside.firm);
 }
 
 }  // namespace rotunda::capture

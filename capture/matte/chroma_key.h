@@ -4,6 +4,7 @@
 // blue against the plate; only in the dark, where cloth and hair lose their hue, does the limit follow brightness.
 // Around that outline a local two-colour matte finds the edge to a fraction of a pixel.
 #include <opencv2/core.hpp>
+#include <optional>
 
 #include "capture/matte/backdrop_plate.h"
 #include "capture/matte/matte.h"
@@ -17,8 +18,9 @@ enum class KeyMethod {
 };
 
 struct ChromaKeyOptions {
-  Backdrop backdrop = Backdrop::blue;
+  std::optional<Backdrop> backdrop;  // nothing: the colour that leads in the background, or else in the picture
   KeyMethod method = KeyMethod::automatic;
+  cv::Mat stage = {};  // stage_mask.h: where the performer can be; empty: anywhere
 };
 
 // `rgb` CV_8UC3; `background` the empty studio in the same picture, or empty: then the plate is fitted to `rgb` itself.

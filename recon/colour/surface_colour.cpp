@@ -9,8 +9,9 @@
 #include <opencv2/imgproc.hpp>
 
 #include "capture/srgb.h"
+#include "capture/matte/despill.h"
 #include "config/errors.h"
-#include "recon/colour/spill.h"
+#include "recon/colour/rim.h"
 #include "recon/colour/visibility.h"
 
 namespace rotunda::recon {
@@ -56,6 +57,9 @@ PreparedView prepare(const ColourView& view, const TriangleMesh& occluder, const
       options.remove_spill ? without_spill(view.rgb, prepared.depth_in_matte, options.backdrop) : view.rgb,
       prepared.depth_in_matte);
   if (view.colour != Eigen::Matrix3d::Identity()) prepared.rgb = capture::with_matrix(prepared.rgb, view.colour);
+  prepared.rgb =
+      rim_from_inside(options.remove_spill ? capture::despilled(view.rgb, view.matte, options.backdrop) : view.rgb,
+                      prepared.depth_in_matte);
   prepared.surface = render_depth(occluder, view.camera, options.depth_downscale);
   return prepared;
 }

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
@@ -24,6 +25,7 @@ struct Scene {
   cv::Vec3f backdrop{0.02F, 0.06F, 0.30F};  // blue paint
   double shadow_below = 0.0;                // how much of the light the floor under the disc loses
   double noise = 1.5;                       // grey levels, standard deviation
+  double contact = 0.0;                     // of the light about the disc, the share that it keeps off next to it
 };
 
 double disc_coverage(int x, int y) {
@@ -43,9 +45,14 @@ cv::Mat picture_of(const Scene& scene, bool with_disc = true) {
     for (int x = 0; x < kWidth; ++x) {
       const float light = 1.0F - 0.3F * static_cast<float>(x) / kWidth;
       const float shadow = y > 175 ? 1.0F - static_cast<float>(scene.shadow_below) : 1.0F;
+      const double away = std::max(0.0, std::hypot(x - kCentre.x, y - kCentre.y) - kRadius);
+      const auto open = static_cast<float>(1.0 - 0.95 * scene.contact * std::exp(-away / 4.0));
+      // Light off paint fills a shadow: it takes less of blue than of the rest.
+      const std::array<float, 3> shade{open * std::pow(open, 0.25F), open * std::pow(open, 0.125F), open};
       const float a = with_disc ? static_cast<float>(disc_coverage(x, y)) : 0.0F;
       for (int c = 0; c < 3; ++c) {
-        const float value = a * scene.cloth[c] + (1.0F - a) * scene.backdrop[c] * light * shadow;
+        const float value =
+            a * scene.cloth[c] + (1.0F - a) * scene.backdrop[c] * light * shadow * shade[static_cast<std::size_t>(c)];
         rgb.at<cv::Vec3b>(y, x)[c] = cv::saturate_cast<std::uint8_t>(to_srgb(value) + random.gaussian(scene.noise));
       }
     }
@@ -106,6 +113,33 @@ TEST(ChromaKey, LeavesShadowOnTheBackdropToTheBackdrop) {
   EXPECT_LT(cv::sum(matte.alpha.rowRange(185, kHeight))[0] / 255.0, 20.0);  // of 17600 pixels
 }
 
+// Under soles shadow deepens towards the outline: dark as the cloth above it, but bluer.
+TEST(ChromaKey, FindsDarkClothAboveAShadowThatDeepensTowardsIt) {
+  Scene scene{.cloth = {0.03F, 0.025F, 0.025F}};
+  const cv::Mat lit = picture_of(scene, false);
+  scene.contact = 1.0;
+  expect_the_disc(chroma_key(picture_of(scene), {}, lit));
+}
+
+TEST(ChromaKey, KeepsAGapOfFourPixelsOpen) {
+  const cv::Mat plate = picture_of({}, false);
+  cv::Mat rgb = plate.clone();
+  const cv::Scalar cloth(150, 97, 89);
+  rgb(cv::Rect(100, 60, 30, 120)).setTo(cloth);
+  rgb(cv::Rect(134, 60, 30, 120)).setTo(cloth);
+  cv::GaussianBlur(rgb, rgb, {5, 5}, 0.6);  // the lens
+  const auto matte = chroma_key(rgb, {}, plate);
+  EXPECT_LT(cv::mean(matte.alpha(cv::Rect(131, 80, 2, 80)))[0], 80.0);
+  EXPECT_GT(cv::mean(matte.alpha(cv::Rect(104, 64, 22, 112)))[0], 250.0);
+}
+
+TEST(ChromaKey, TakesWhatIsOffTheStageForNobody) {
+  cv::Mat stage(kHeight, kWidth, CV_8UC1, cv::Scalar(255)), rgb = picture_of({});
+  stage.colRange(0, 60).setTo(0);
+  rgb.colRange(0, 50).setTo(cv::Scalar(30, 30, 30));  // past the screen's edge
+  expect_the_disc(chroma_key(rgb, {.backdrop = {}, .stage = stage}));
+}
+
 TEST(ChromaKey, TakesBlackBarsAlongThePictureForNobody) {
   cv::Mat rgb = picture_of({});
   rgb.colRange(kWidth - 20, kWidth).setTo(cv::Scalar(12, 14, 18));
@@ -118,7 +152,10 @@ TEST(ChromaKey, FindsNobodyInAnEmptyStudio) {
 }
 
 TEST(ChromaKey, KeysGreenAsWell) {
-  expect_the_disc(chroma_key(picture_of({.backdrop = {0.03F, 0.30F, 0.05F}}), {.backdrop = Backdrop::green}));
+  const Scene green{.backdrop = {0.03F, 0.30F, 0.05F}};
+  expect_the_disc(chroma_key(picture_of(green), {.backdrop = Backdrop::green}));
+  expect_the_disc(chroma_key(picture_of(green)));  // the picture shows which colour it is
+  expect_the_disc(chroma_key(picture_of(green), {}, picture_of(green, false)));
 }
 
 TEST(ChromaKey, KeysByDifferenceWhereTheBackdropHasNoColour) {

@@ -1,0 +1,181 @@
+#include "capture/matte/live_key.h"
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <opencv2/core/hal/intrin.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "capture/matte/half_edge.h"
+#include "capture/matte/key_limit.h"
+#include "config/errors.h"
+
+namespace rotunda::capture {
+namespace {
+
+constexpr int kOffset = static_cast<int>(kLogOffset) * kHalfScale;
+constexpr int kUnit = 256;            // a ratio of 1
+constexpr int kLeastPlate = kUnit;    // of plate and offset, so that kUnit * 2^16 over it is 16 bits
+constexpr int kSmallestPiece = 4000;  // a picture's area over this is the smallest piece of performer kept
+constexpr int kSmallestHole = 20000;
+constexpr int kPool = 2;  // half-size pixels a side that pieces are told by
+
+// The limit as lines in the ratios themselves: between knots the exact limit bends by less than 0.02.
+struct LimitLine {
+  std::uint16_t slope = 0, less = 0;  // slope in 1/8192, to be taken off in 1/kUnit
+};
+struct Limit {
+  std::array<LimitLine, kKeyKnots.size()> rising;  // the greatest of these,
+  std::uint16_t top = 0;                           // but not above this slope
+};
+
+Limit limit_lines() {
+  Limit limit;
+  double x0 = 0.0, y0 = 0.0;
+  for (std::size_t i = 0; i < kKeyKnots.size(); ++i) {
+    const double x = std::exp(kKeyKnots[i].brightness), y = x * std::exp(kKeyKnots[i].lead);
+    const double slope = (y - y0) / (x - x0);
+    limit.rising[i] = {static_cast<std::uint16_t>(8192.0 * slope + 0.5),
+                       static_cast<std::uint16_t>(kUnit * std::max(0.0, slope * x - y) + 0.5)};
+    x0 = x, y0 = y;
+  }
+  limit.top = static_cast<std::uint16_t>(8192.0 * std::exp(kKeyKnots.back().lead) + 0.5);
+  return limit;
+}
+
+// Eight pixels: the high half of 16 x 16 bits is a ratio in 1/kUnit.
+cv::v_uint16x8 ratio(const std::uint16_t* value, const std::uint16_t* scale) {
+  return cv::v_mul_hi(cv::v_load(value) + cv::v_setall_u16(kOffset), cv::v_load(scale));
+}
+
+cv::v_uint16x8 limit_of(const cv::v_uint16x8& brightness, const Limit& limit) {
+  const auto eightfold = cv::v_shl<3>(brightness);
+  auto greatest = cv::v_setzero_u16();
+  for (const auto& line : limit.rising)
+    greatest = cv::v_max(greatest, cv::v_mul_hi(eightfold, cv::v_setall_u16(line.slope)) - cv::v_setall_u16(line.less));
+  return cv::v_min(greatest, cv::v_mul_hi(eightfold, cv::v_setall_u16(limit.top)));
+}
+
+cv::Mat scale_of(const cv::Mat& plate) {
+  cv::Mat scale(plate.size(), CV_16UC1);
+  for (int y = 0; y < plate.rows; ++y)
+    std::transform(
+        plate.ptr<std::uint16_t>(y), plate.ptr<std::uint16_t>(y) + plate.cols, scale.ptr<std::uint16_t>(y),
+        [](std::uint16_t value) {
+          return static_cast<std::uint16_t>(std::min(65535, kUnit * 65536 / std::max(kLeastPlate, value + kOffset)));
+        });
+  return scale;
+}
+
+// The largest of each kPool x kPool pixels.
+cv::Mat pooled(const cv::Mat& mask) {
+  cv::Mat pool((mask.rows + kPool - 1) / kPool, (mask.cols + kPool - 1) / kPool, CV_8UC1, cv::Scalar(0));
+  for (int y = 0; y < mask.rows; ++y) {
+    const auto* from = mask.ptr<std::uint8_t>(y);
+    auto* to = pool.ptr<std::uint8_t>(y / kPool);
+    for (int x = 0; x < mask.cols; ++x) to[x / kPool] |= from[x];
+  }
+  return pool;
+}
+
+// Takes small pieces out of `inside`; returns what holds the rest, empty if nothing is left.
+cv::Rect drop_small_pieces(cv::Mat& inside) {
+  cv::Mat labels, statistics, centres;
+  const cv::Mat pool = pooled(inside);
+  const int count = cv::connectedComponentsWithStats(pool, labels, statistics, centres, 8, CV_32S);
+  const int smallest = std::max(2, static_cast<int>(pool.total()) / kSmallestPiece);
+  std::vector<std::uint8_t> keep(static_cast<std::size_t>(count), 0);
+  cv::Rect box;
+  for (int piece = 1; piece < count; ++piece) {
+    const int* found = statistics.ptr<int>(piece);
+    if (found[cv::CC_STAT_AREA] < smallest) continue;
+    keep[static_cast<std::size_t>(piece)] = 255;
+    box |=
+        cv::Rect(found[cv::CC_STAT_LEFT], found[cv::CC_STAT_TOP], found[cv::CC_STAT_WIDTH], found[cv::CC_STAT_HEIGHT]);
+  }
+  box = cv::Rect(kPool * box.x, kPool * box.y, kPool * box.width, kPool * box.height) & cv::Rect({}, inside.size());
+  for (int y = box.y; y < box.y + box.height; ++y) {
+    const int* label = labels.ptr<int>(std::min(y / kPool, labels.rows - 1));
+    auto* pixel = inside.ptr<std::uint8_t>(y);
+    for (int x = box.x; x < box.x + box.width; ++x)
+      pixel[x] &= keep[static_cast<std::size_t>(label[std::min(x / kPool, labels.cols - 1)])];
+  }
+  return box;
+}
+
+void fill_small_holes(cv::Mat inside, int smallest) {
+  cv::Mat labels, statistics, centres;
+  const int count = cv::connectedComponentsWithStats(inside == 0, labels, statistics, centres, 4, CV_32S);
+  for (int hole = 1; hole < count; ++hole) {
+    const int* found = statistics.ptr<int>(hole);
+    if (found[cv::CC_STAT_AREA] >= smallest) continue;
+    const cv::Rect box(found[cv::CC_STAT_LEFT], found[cv::CC_STAT_TOP], found[cv::CC_STAT_WIDTH],
+                       found[cv::CC_STAT_HEIGHT]);
+    inside(box).setTo(255, labels(box) == hole);
+  }
+}
+
+}  // namespace
+
+LiveKey::LiveKey(const cv::Mat& plate, PixelFormat format, const LiveKeyOptions& options)
+    : size_(plate.size()), format_(format) {
+  if (plate.type() != CV_8UC3 || plate.cols < 2 || plate.rows < 2)
+    throw InvalidInput("the live key wants a plate of 8-bit red, green, blue");
+  if (!options.stage.empty() && (options.stage.size() != size_ || options.stage.type() != CV_8UC1))
+    throw InvalidInput("the stage's mask is of another size than the plate");
+  const auto backdrop = options.backdrop ? options.backdrop : backdrop_of(plate);
+  if (!backdrop) throw InvalidInput("the plate shows no screen's colour, neither blue nor green; light the screen");
+  channels_ = key_channels(plate, *backdrop);
+  const auto half = half_picture(plate, format);
+  for (std::size_t c = 0; c < 3; ++c) scale_[c] = scale_of(half.planes[c]);
+  if (!options.stage.empty()) cv::resize(options.stage, stage_, half.planes[0].size(), 0, 0, cv::INTER_NEAREST);
+}
+
+cv::Mat LiveKey::inside_of(const HalfPicture& half) const {
+  const auto limit = limit_lines();
+  cv::Mat inside(half.planes[0].size(), CV_8UC1, cv::Scalar(0));
+  constexpr int kStep = cv::v_uint16x8::nlanes;
+  const auto eight_at = [&](int y, int x) {
+    const auto ratio_of = [&](int channel) {
+      const auto c = static_cast<std::size_t>(channel);
+      return ratio(half.planes[c].ptr<std::uint16_t>(y) + x, scale_[c].ptr<std::uint16_t>(y) + x);
+    };
+    const auto own = ratio_of(channels_.own);
+    const auto far_leads = ratio_of(channels_.far) > limit_of(own, limit);
+    const auto near_leads = ratio_of(channels_.near) > cv::v_mul_hi(cv::v_shl<3>(own), cv::v_setall_u16(limit.top));
+    const auto lit = cv::v_load(half.planes[static_cast<std::size_t>(channels_.far)].ptr<std::uint16_t>(y) + x) >
+                     cv::v_setall_u16(static_cast<std::uint16_t>(kDarkest * kHalfScale));
+    cv::v_pack_store(inside.ptr<std::uint8_t>(y) + x, (far_leads | near_leads) & lit);
+  };
+  if (inside.cols < kStep) return inside;
+  for (int y = 0; y < inside.rows; ++y) {
+    for (int x = 0; x + kStep <= inside.cols; x += kStep) eight_at(y, x);
+    eight_at(y, inside.cols - kStep);
+  }
+  if (!stage_.empty()) inside &= stage_;
+  return inside;
+}
+
+Matte LiveKey::operator()(const Image& image) const {
+  if (image.format != format_ || image.width != size_.width || image.height != size_.height)
+    throw InvalidInput(fmt::format("the live key is for {} x {} pixels of {}, not {} x {} of {}", size_.width,
+                                   size_.height, to_string(format_), image.width, image.height,
+                                   to_string(image.format)));
+  const auto half = half_picture(image);
+  cv::Mat inside = inside_of(half);
+  const cv::Rect box = drop_small_pieces(inside);
+  if (box.empty()) return {cv::Mat::zeros(size_, CV_8UC1)};
+  fill_small_holes(inside(box), std::max(2, static_cast<int>(inside.total()) / kSmallestHole));
+  return {half_edge_matte(half, inside, box, size_)};
+}
+
+std::vector<Matte> key_live(std::span<const LiveKey> keys, std::span<const Image> images) {
+  if (keys.size() != images.size())
+    throw InvalidInput(fmt::format("{} live keys for {} images", keys.size(), images.size()));
+  std::vector<Matte> mattes(keys.size());
+  tbb::parallel_for(std::size_t{0}, keys.size(), [&](std::size_t i) { mattes[i] = keys[i](images[i]); });
+  return mattes;
+}
+
+}  // namespace rotunda::capture

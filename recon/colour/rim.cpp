@@ -1,0 +1,31 @@
+#include "recon/colour/rim.h"
+
+#include <opencv2/imgproc.hpp>
+
+namespace rotunda::recon {
+namespace {
+
+constexpr float kMixed = 2.0F;  // pixels from the outline that hold backdrop too
+constexpr int kReach = 4;       // pixels: how far colours are carried outwards
+
+}  // namespace
+
+cv::Mat rim_from_inside(const cv::Mat& rgb, const cv::Mat& depth_in_matte) {
+  cv::Mat deep = depth_in_matte > kMixed, mean(rgb.size(), CV_8UC3, cv::Scalar::all(0)), share;
+  deep.convertTo(share, CV_32F, 1.0 / 255.0);
+  rgb.copyTo(mean, deep);
+  mean.convertTo(mean, CV_32F);
+  const cv::Size window(2 * kReach + 1, 2 * kReach + 1);
+  cv::GaussianBlur(mean, mean, window, kReach / 2.0);
+  cv::GaussianBlur(share, share, window, kReach / 2.0);
+  cv::Mat result = rgb.clone();
+  for (int y = 0; y < rgb.rows; ++y)
+    for (int x = 0; x < rgb.cols; ++x) {
+      const float near = share.at<float>(y, x);
+      if (deep.at<std::uint8_t>(y, x) == 0 && near > 1e-3F)
+        result.at<cv::Vec3b>(y, x) = cv::Vec3b(mean.at<cv::Vec3f>(y, x) * (1.0F / near));
+    }
+  return result;
+}
+
+}  // namespace rotunda::recon

@@ -1,0 +1,84 @@
+#include "capture/matte/despill.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "config/errors.h"
+
+namespace rotunda::capture {
+namespace {
+
+constexpr int kSide = 120;
+const cv::Vec3f kSkin(190, 140, 110), kPaint(60, 100, 200);
+
+struct Scene {
+  cv::Mat own, picture;  // CV_8UC3: the performer's colour everywhere; mixed with paint outside of a disc
+  Matte matte;
+};
+
+// A disc of skin, softly edged over three pixels as by lens and mosaic; `glow`: blue on its outermost four pixels.
+Scene disc(const cv::Vec3f& colour, float glow) {
+  Scene scene{cv::Mat(kSide, kSide, CV_8UC3), cv::Mat(kSide, kSide, CV_8UC3), {cv::Mat(kSide, kSide, CV_8UC1)}};
+  for (int y = 0; y < kSide; ++y)
+    for (int x = 0; x < kSide; ++x) {
+      const auto depth = static_cast<float>(40.0 - std::hypot(x - 60.2, y - 59.7));
+      const float alpha = std::clamp(0.5F + depth / 3.0F, 0.0F, 1.0F);
+      const float texture = 8.0F * std::sin(0.9F * static_cast<float>(x)) * std::sin(0.7F * static_cast<float>(y));
+      const cv::Vec3f own = colour + cv::Vec3f::all(texture);
+      const cv::Vec3f lit = own + cv::Vec3f(0.0F, 0.0F, depth < 4.0F ? glow : 0.0F);
+      scene.own.at<cv::Vec3b>(y, x) = cv::Vec3b(own);
+      scene.picture.at<cv::Vec3b>(y, x) = cv::Vec3b(cv::Vec3f(alpha * lit + (1.0F - alpha) * kPaint));
+      scene.matte.alpha.at<std::uint8_t>(y, x) = cv::saturate_cast<std::uint8_t>(255.0F * alpha);
+    }
+  return scene;
+}
+
+// Over the four pixels inside of the outline.
+double rim_error(const cv::Mat& colours, const Scene& scene) {
+  cv::Mat inner, difference;
+  const cv::Mat inside = scene.matte.alpha >= 128;
+  cv::erode(inside, inner, cv::getStructuringElement(cv::MORPH_ELLIPSE, {9, 9}));
+  cv::absdiff(colours, scene.own, difference);
+  const auto mean = cv::mean(difference, inside & ~inner);
+  return (mean[0] + mean[1] + mean[2]) / 3.0;
+}
+
+}  // namespace
+
+// 3 of 255: half of the texture's own swing, where the outermost pixels are half paint.
+TEST(Despill, TakesTheBackdropOutOfTheRim) {
+  const auto scene = disc(kSkin, 0.0F);
+  EXPECT_GT(rim_error(scene.picture, scene), 8.0);
+  EXPECT_LT(rim_error(despilled(scene.picture, scene.matte, Backdrop::blue), scene), 3.0);
+}
+
+TEST(Despill, TakesBlueLightOffSkin) {
+  const cv::Vec3f pale(170, 165, 160);
+  const auto scene = disc(pale, 40.0F);
+  EXPECT_LT(rim_error(despilled(scene.picture, scene.matte, Backdrop::blue), scene), 5.0);
+}
+
+TEST(Despill, LeavesBlueClothBlue) {
+  const auto scene = disc({70, 90, 150}, 0.0F);
+  const cv::Mat found = despilled(scene.picture, scene.matte, Backdrop::blue);
+  EXPECT_LT(rim_error(found, scene), 4.0);
+}
+
+TEST(Despill, LeavesTheMiddleAndTheFarBackdropAsTheyWere) {
+  const auto scene = disc(kSkin, 0.0F);
+  const cv::Mat found = despilled(scene.picture, scene.matte, Backdrop::blue);
+  const cv::Rect middle(45, 45, 30, 30), corner(0, 0, 20, 20);
+  EXPECT_EQ(cv::norm(found(middle), scene.picture(middle), cv::NORM_INF), 0.0);
+  EXPECT_EQ(cv::norm(found(corner), scene.picture(corner), cv::NORM_INF), 0.0);
+}
+
+TEST(Despill, HasNothingToDoWithoutAPerformerAndRefusesAnotherSize) {
+  const auto scene = disc(kSkin, 0.0F);
+  const Matte nobody{cv::Mat::zeros(kSide, kSide, CV_8UC1)};
+  EXPECT_EQ(cv::norm(despilled(scene.picture, nobody, Backdrop::blue), scene.picture, cv::NORM_INF), 0.0);
+  EXPECT_THROW(despilled(scene.picture, {cv::Mat::zeros(4, 4, CV_8UC1)}, Backdrop::blue), InvalidInput);
+}
+
+}  // namespace rotunda::capture
