@@ -7,14 +7,24 @@
 #include "capture/matte/chroma_key.h"
 #include "capture/picture.h"
 #include "recon/colour/surface_colour.h"
+#include "recon/hull/matte_support.h"
 #include "recon/sphere/resample.h"
 #include "recon/video/lattice_normals.h"
 
 namespace rotunda::recon {
 namespace {
 
-capture::Matte matte_for(const cv::Mat& picture, const cv::Mat& background, capture::Backdrop backdrop) {
-  return capture::chroma_key(picture, {.backdrop = backdrop}, background);
+capture::Matte matte_for(const cv::Mat& picture, const StudioViews& studio, std::size_t camera) {
+  const cv::Mat stage = camera < studio.stages.size() ? studio.stages[camera] : cv::Mat();
+  return capture::chroma_key(picture, {.backdrop = studio.backdrop, .stage = stage}, studio.backgrounds[camera]);
+}
+
+// Mattes that somebody gave stay as they are, but have their say on the others.
+void keep_supported(FrameViews& views, const std::vector<bool>& given, const StudioViews& studio) {
+  if (!studio.volume || views.cameras.size() < 2) return;
+  auto supported = supported_mattes(views.cameras, views.mattes, {.bounds = studio.volume, .unit = studio.unit});
+  for (std::size_t i = 0; i < views.mattes.size(); ++i)
+    if (!given[i]) views.mattes[i] = std::move(supported.mattes[i]);
 }
 
 std::vector<ColourView> colour_views(const FrameViews& views) {
@@ -57,6 +67,8 @@ std::uint8_t mix(std::uint8_t a, std::uint8_t b, double share) {
 FrameViews key_frame(const capture::FrameSet& frame_set, const StudioViews& studio,
                      std::span<const capture::Matte> given_mattes, StageClock& clock) {
   FrameViews views{.cameras = {}, .pictures = {}, .mattes = {}, .colour = {}, .backdrop = studio.backdrop};
+  FrameViews views{.cameras = {}, .pictures = {}, .mattes = {}, .backdrop = studio.backdrop};
+  std::vector<bool> is_given;
   for (std::size_t i = 0; i < frame_set.slots.size(); ++i) {
     auto picture = clock.run("demosaic", [&] { return capture::picture_of(frame_set.slots[i]); });
     if (picture.rgb.empty()) continue;
@@ -64,10 +76,11 @@ FrameViews key_frame(const capture::FrameSet& frame_set, const StudioViews& stud
     if (!studio.colour.empty()) views.colour.push_back(studio.colour[i]);
     views.pictures.push_back(std::move(picture.rgb));
     const bool given = i < given_mattes.size() && !given_mattes[i].alpha.empty();
-    views.mattes.push_back(given ? given_mattes[i] : clock.run("key", [&] {
-      return matte_for(views.pictures.back(), studio.backgrounds[i], studio.backdrop);
-    }));
+    is_given.push_back(given);
+    views.mattes.push_back(given ? given_mattes[i]
+                                 : clock.run("key", [&] { return matte_for(views.pictures.back(), studio, i); }));
   }
+  clock.run("support", [&] { keep_supported(views, is_given, studio); });
   return views;
 }
 

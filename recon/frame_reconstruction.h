@@ -23,6 +23,9 @@ struct StudioViews {
   // Linear light of the rig from the camera's (capture/calibration/colour_match.h); empty: all are the same.
   std::vector<Eigen::Matrix3d> colour;
   capture::Backdrop backdrop = capture::Backdrop::blue;
+  std::optional<Eigen::AlignedBox3d> volume;  // of the rig: where the performer can be
+  std::string unit = "m";                     // of the calibration
+  std::vector<cv::Mat> stages;                // capture/matte/stage_mask.h, one a camera; none: anywhere
 };
 
 // The cameras that have a picture of this frame, side by side.
@@ -34,7 +37,8 @@ struct FrameViews {
   capture::Backdrop backdrop = capture::Backdrop::blue;
 };
 
-// `given_mattes` has a slot per camera as well (an empty alpha: key it); an empty span: key all.
+// `given_mattes` has a slot per camera as well (an empty alpha: key it); an empty span: key all. What is keyed in a
+// known volume keeps only what the other views support (hull/matte_support.h).
 FrameViews key_frame(const capture::FrameSet& frame_set, const StudioViews& studio,
                      std::span<const capture::Matte> given_mattes, StageClock& clock);
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "capture/calibration_file.h"
+#include "capture/matte/stage_mask.h"
 #include "capture/picture.h"
 #include "config/errors.h"
 #include "config/rig_config.h"
@@ -47,7 +48,7 @@ TakeStudio read_take_studio(const capture::TakeReader& take, const std::optional
     throw InvalidInput(fmt::format("{} is missing; name a calibration with --calibration", file.string()));
   const auto calibration = capture::read_calibration_file(file);
   TakeStudio studio;
-  studio.unit = calibration.unit;
+  studio.unit = studio.views.unit = calibration.unit;
   studio.views.cameras = cameras_of(take.info(), calibration, file);
   if (!calibration.colour.empty())
     for (const auto& camera : take.info().cameras) studio.views.colour.push_back(calibration.colour_of(camera.name));
@@ -60,6 +61,9 @@ TakeStudio read_take_studio(const capture::TakeReader& take, const std::optional
   const auto rig = config::load_rig(rig_file);
   studio.views.backdrop = rig.backdrop == "green" ? capture::Backdrop::green : capture::Backdrop::blue;
   studio.volume = Eigen::AlignedBox3d(Eigen::Vector3d(rig.volume.min.data()), Eigen::Vector3d(rig.volume.max.data()));
+  studio.views.volume = studio.volume;
+  for (const auto& camera : studio.views.cameras)
+    studio.views.stages.push_back(capture::stage_mask(camera, *studio.volume));
   return studio;
 }
 
