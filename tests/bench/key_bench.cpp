@@ -1,84 +1,132 @@
-// How good the key and the surface colours are on the simulated people, and what they cost: overlap (IoU), distance
-// between the outlines, and its signed mean (positive: the matte is too large) against the simulator's truth; then CPU
-// time. Pictures go through the mosaic as a camera's do.
-// usage: key_bench [DIR]   writes pictures of the worst mattes to DIR
+// How good the key is on the simulated people with every flaw of studio, lens and sensor, beside a plain threshold and
+// OpenCV's MOG2, and what it costs.
+//   key_bench [--development] [--keep DIR] [--pictures DIR] [--person NAME] [--no-baselines]
+// Mattes: overlap (IoU) mean and worst, distance between the outlines both ways, its signed mean (positive: ours is too
+// large). Colours: the rim's four pixels against the truth. Cost: CPU and wall time of ten pictures.
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cmath>
+#include <chrono>
 #include <ctime>
-#include <filesystem>
-#include <numeric>
+#include <functional>
+#include <map>
 #include <opencv2/imgproc.hpp>
-#include <vector>
+#include <opencv2/video/background_segm.hpp>
 
 #include "capture/matte/chroma_key.h"
+#include "capture/matte/despill.h"
+#include "capture/matte/live_key.h"
+#include "capture/matte/stage_mask.h"
 #include "capture/picture.h"
-#include "recon/colour/surface_colour.h"
-#include "recon/hull/signed_silhouette.h"
-#include "simulator/people/person.h"
+#include "config/exit_code.h"
+#include "recon/hull/matte_support.h"
 #include "simulator/studio/camera_layout.h"
-#include "simulator/studio/pixel_encoding.h"
-#include "simulator/studio/scene_renderer.h"
+#include "tests/bench/key_score.h"
+#include "tests/bench/key_study.h"
 
+namespace rotunda::bench {
 namespace {
 
-using namespace rotunda;
+using capture::Matte;
 
-double cpu_seconds() {
+double cpu_ms() {
   timespec now{};
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
 }
 
-// Signed distance to the other outline at the sub-pixel crossings of one matte; far ones are other pieces, kept at 20.
-void append_crossings(const cv::Mat& alpha, const cv::Mat& other, double sign, std::vector<double>& distances) {
-  const auto cross = [&](int x, int y, int dx, int dy) {
-    const double a = alpha.at<std::uint8_t>(y, x) - 127.5, b = alpha.at<std::uint8_t>(y + dy, x + dx) - 127.5;
-    if ((a < 0) == (b < 0)) return;
-    const double s = a / (a - b);
-    const double there = (1 - s) * other.at<float>(y, x) + s * other.at<float>(y + dy, x + dx);
-    distances.push_back(sign * std::clamp(there, -20.0, 20.0));
-  };
-  for (int y = 0; y + 1 < alpha.rows; ++y)
-    for (int x = 0; x + 1 < alpha.cols; ++x) cross(x, y, 1, 0), cross(x, y, 0, 1);
-}
-
-struct Score {
-  double overlap = 0, edge = 0, p95 = 0, bias = 0;
+// All there is to key one moment with.
+struct Given {
+  const KeyMoment& moment;
+  const std::vector<cv::Mat>&plates, &stages;
+  std::vector<cv::Mat> pictures;  // RGB
 };
+using Method = std::function<std::vector<Matte>(const Given&)>;
+using NamedMethods = std::vector<std::pair<std::string, Method>>;
 
-Score score_of(const cv::Mat& found, const cv::Mat& truth) {
-  const cv::Mat a = found >= 128, b = truth >= 128;
-  std::vector<double> distances;
-  append_crossings(found, recon::signed_silhouette({truth}), -1.0, distances);
-  append_crossings(truth, recon::signed_silhouette({found}), 1.0, distances);
-  Score score;
-  score.overlap = cv::countNonZero(a & b) / std::max(1.0, static_cast<double>(cv::countNonZero(a | b)));
-  // The bias is of the outline proper: what is farther than 2 px is a piece too many or too few.
-  double near = 0;
-  int near_count = 0;
-  for (double& d : distances) {
-    if (std::abs(d) < 2.0) near += d, ++near_count;
-    d = std::abs(d);
+std::vector<Matte> each(const Given& given, const std::function<cv::Mat(std::size_t)>& alpha_of) {
+  std::vector<Matte> mattes;
+  for (std::size_t i = 0; i < given.pictures.size(); ++i) mattes.push_back({alpha_of(i)});
+  return mattes;
+}
+
+// By how much blue leads.
+cv::Mat blue_lead(const cv::Mat& rgb) {
+  cv::Mat channels[3], most, lead;
+  cv::split(rgb, channels);
+  cv::max(channels[0], channels[1], most);
+  cv::subtract(channels[2], most, lead);
+  return lead;
+}
+
+// Half of what the empty studio has in the median.
+cv::Mat blue_difference(const cv::Mat& rgb, const cv::Mat& plate, const cv::Mat& stage) {
+  cv::Mat lead = blue_lead(plate).clone().reshape(1, 1);
+  std::nth_element(lead.begin<std::uint8_t>(), lead.begin<std::uint8_t>() + lead.cols / 2, lead.end<std::uint8_t>());
+  return (blue_lead(rgb) < lead.at<std::uint8_t>(0, lead.cols / 2) / 2) & stage;
+}
+
+// Learns from the plate under fresh noise of two grey levels; its shadows count as background.
+cv::Mat mog2(const cv::Mat& rgb, const cv::Mat& plate, const cv::Mat& stage) {
+  constexpr int kLearnt = 8;  // pictures
+  const auto model = cv::createBackgroundSubtractorMOG2(kLearnt, 16.0, true);
+  cv::RNG random(5);
+  cv::Mat found;
+  for (int i = 0; i < kLearnt; ++i) {
+    cv::Mat noise(plate.size(), CV_16SC3), noisy;
+    random.fill(noise, cv::RNG::NORMAL, 0.0, 2.0);
+    cv::add(plate, noise, noisy, cv::noArray(), CV_8U);
+    model->apply(noisy, found);
   }
-  std::sort(distances.begin(), distances.end());
-  const auto count = std::max<std::size_t>(1, distances.size());
-  score.edge = std::accumulate(distances.begin(), distances.end(), 0.0) / static_cast<double>(count);
-  score.p95 = distances.empty() ? 0 : distances[distances.size() * 95 / 100];
-  score.bias = near / std::max(1, near_count);
-  return score;
+  model->apply(rgb, found, 0.0);
+  return (found == 255) & stage;
 }
 
-cv::Mat as_sent(const cv::Mat& rgb) {
-  return capture::to_rgb(capture::make_image(rgb.cols, rgb.rows, capture::PixelFormat::bayer_rg8,
-                                             simulator::encode_pixels(rgb, capture::PixelFormat::bayer_rg8)));
+NamedMethods methods(bool baselines) {
+  NamedMethods all;
+  all.emplace_back("key, plate", [](const Given& given) {
+    return each(given, [&](std::size_t i) {
+      return capture::chroma_key(given.pictures[i], {.backdrop = {}, .stage = given.stages[i]}, given.plates[i]).alpha;
+    });
+  });
+  all.emplace_back("key, all views", [](const Given& given) {
+    std::vector<capture::CameraModel> cameras;
+    std::vector<Matte> mattes;
+    for (std::size_t i = 0; i < given.pictures.size(); ++i) {
+      cameras.push_back(given.moment.views[i].camera);
+      mattes.push_back(
+          capture::chroma_key(given.pictures[i], {.backdrop = {}, .stage = given.stages[i]}, given.plates[i]));
+    }
+    return recon::supported_mattes(cameras, mattes, {.bounds = simulator::kStageVolume}).mattes;
+  });
+  all.emplace_back("key, no plate", [](const Given& given) {
+    return each(given, [&](std::size_t i) {
+      return capture::chroma_key(given.pictures[i], {.backdrop = {}, .stage = given.stages[i]}).alpha;
+    });
+  });
+  all.emplace_back("live key, plate", [](const Given& given) {
+    return each(given, [&](std::size_t i) {
+      const auto& image = given.moment.views[i].image;
+      return capture::LiveKey(given.plates[i], image.format, {{}, given.stages[i]})(image).alpha;
+    });
+  });
+  if (!baselines) return all;
+  all.emplace_back("blue difference", [](const Given& given) {
+    return each(given,
+                [&](std::size_t i) { return blue_difference(given.pictures[i], given.plates[i], given.stages[i]); });
+  });
+  all.emplace_back("OpenCV MOG2", [](const Given& given) {
+    return each(given, [&](std::size_t i) { return mog2(given.pictures[i], given.plates[i], given.stages[i]); });
+  });
+  return all;
 }
 
-struct Worst {
-  double overlap = 2.0;
-  cv::Mat picture;
-};
+void print(const std::string& who, const std::string& method, const MatteTotals& totals) {
+  fmt::print("{:14} {:18} {:4} pictures  IoU {:.4f} worst {:.4f}  edge {:.3f} px p95 {:.2f}  bias {:+.3f} px\n", who,
+             method, totals.pictures(), totals.overlap(), totals.worst_overlap(), totals.edge(),
+             totals.edge_quantile(0.95), totals.bias());
+}
 
 cv::Mat side_by_side(const cv::Mat& rgb, const cv::Mat& found, const cv::Mat& truth) {
   cv::Mat both, out;
@@ -87,71 +135,151 @@ cv::Mat side_by_side(const cv::Mat& rgb, const cv::Mat& found, const cv::Mat& tr
   return out;
 }
 
-struct Totals {
-  std::vector<Score> scores;
-  double cpu = 0;
-  Worst worst;
+struct Mean {
+  double sum = 0.0;
+  int count = 0;
+  void add(double value) { sum += value, ++count; }
+  double value() const { return count ? sum / count : 0.0; }
 };
 
-void key_one(const cv::Mat& rgb, const cv::Mat& truth, const cv::Mat& plate, Totals& totals) {
-  const double start = cpu_seconds();
-  const auto matte = capture::chroma_key(rgb, {}, plate);
-  totals.cpu += cpu_seconds() - start;
-  totals.scores.push_back(score_of(matte.alpha, truth));
-  if (totals.scores.back().overlap < totals.worst.overlap)
-    totals.worst = {totals.scores.back().overlap, side_by_side(rgb, matte.alpha, truth)};
+// Rim colours: as they are and without spill, against the performer's own as lit by the blue studio and by a grey one.
+struct RimErrors {
+  Mean plain_own, plain_unspilt, own, unspilt;
+};
+
+void add_rim_errors(const KeyView& view, const cv::Mat& rgb, const Matte& matte, RimErrors& errors) {
+  if (view.own.empty()) return;
+  const cv::Mat clean = capture::despilled(rgb, matte, capture::Backdrop::blue);
+  errors.plain_own.add(rim_colour_error(rgb, view.own, view.truth));
+  errors.plain_unspilt.add(rim_colour_error(rgb, view.unspilt, view.truth));
+  errors.own.add(rim_colour_error(clean, view.own, view.truth));
+  errors.unspilt.add(rim_colour_error(clean, view.unspilt, view.truth));
 }
 
-void print(const std::string& name, const Totals& totals) {
-  Score mean;
-  double worst_overlap = 1, worst_bias = 0;
-  const auto count = static_cast<double>(totals.scores.size());
-  for (const auto& s : totals.scores) {
-    mean.overlap += s.overlap / count, mean.edge += s.edge / count, mean.p95 += s.p95 / count;
-    mean.bias += s.bias / count;
-    worst_overlap = std::min(worst_overlap, s.overlap);
-    worst_bias = std::abs(s.bias) > std::abs(worst_bias) ? s.bias : worst_bias;
+struct Options {
+  bool development = false, no_baselines = false;
+  std::string keep, pictures, person;
+};
+
+class KeyBench {
+ public:
+  explicit KeyBench(Options options) : options_(std::move(options)), methods_(methods(!options_.no_baselines)) {}
+
+  void run(const std::vector<KeyStudy>& studies) {
+    for (const auto& study : studies)
+      if (options_.person.empty() || options_.person == study.person) run(study);
+    for (const auto& [person, by_method] : totals_)
+      for (const auto& [name, method] : methods_) print(person, name, by_method.at(name));
+    for (const auto& [name, method] : methods_) {
+      MatteTotals all;
+      for (const auto& [person, by_method] : totals_)
+        if (person != "dan") all.add(by_method.at(name));
+      print("all but dan", name, all);
+    }
+    fmt::print(
+        "rim colours, of 255: against the performer's own {:.2f} (as they are {:.2f}), in a grey studio {:.2f} "
+        "(as they are {:.2f})\n",
+        rims_.own.value(), rims_.plain_own.value(), rims_.unspilt.value(), rims_.plain_unspilt.value());
+    if (!options_.pictures.empty())
+      for (const auto& [name, worst] : worst_)
+        capture::write_png(std::filesystem::path(options_.pictures) / fmt::format("{}, {}.png", name, worst.what),
+                           worst.picture);
+    for (const auto& [name, cost] : costs_) fmt::print("{:18} {:.2f} ms CPU a picture\n", name, cost.value());
   }
-  fmt::print("{:24} IoU {:.4f} worst {:.4f}  edge {:.3f} px p95 {:.2f}  bias {:+.3f} worst {:+.3f} px  {:.1f} ms CPU\n",
-             name, mean.overlap, worst_overlap, mean.edge, mean.p95, mean.bias, worst_bias, 1e3 * totals.cpu / count);
+
+ private:
+  void run(const KeyStudy& study) {
+    const auto rendered = render(study, options_.keep);
+    std::vector<cv::Mat> stages;
+    for (const auto& camera : study.cameras) stages.push_back(capture::stage_mask(camera, simulator::kStageVolume));
+    for (std::size_t m = 0; m < rendered.moments.size(); ++m) {
+      Given given{rendered.moments[m], rendered.plates, stages, {}};
+      for (const auto& view : given.moment.views) given.pictures.push_back(capture::to_rgb(view.image));
+      for (const auto& [name, method] : methods_) {
+        const double begun = cpu_ms();
+        const auto mattes = method(given);
+        costs_[name].add((cpu_ms() - begun) / static_cast<double>(mattes.size()));
+        score(fmt::format("{}-{}-{}", study.person, study.act, study.frames[m]), name, given, mattes, study.person);
+      }
+    }
+  }
+
+  void score(const std::string& what, const std::string& method, const Given& given, const std::vector<Matte>& mattes,
+             const std::string& person) {
+    for (std::size_t i = 0; i < mattes.size(); ++i) {
+      const auto& view = given.moment.views[i];
+      const auto found = matte_score(mattes[i].alpha, view.truth);
+      totals_[person][method].add(found);
+      if (method == "key, plate") add_rim_errors(view, given.pictures[i], mattes[i], rims_);
+      auto& worst = worst_[method + ", " + person];
+      if (found.overlap >= worst.overlap) continue;
+      worst = {found.overlap, fmt::format("{} {}", what, view.camera.name),
+               side_by_side(given.pictures[i], mattes[i].alpha, view.truth)};
+    }
+  }
+
+  struct Worst {
+    double overlap = 2.0;
+    std::string what;
+    cv::Mat picture;
+  };
+
+  Options options_;
+  NamedMethods methods_;
+  std::map<std::string, std::map<std::string, MatteTotals>> totals_;
+  std::map<std::string, Mean> costs_;
+  std::map<std::string, Worst> worst_;
+  RimErrors rims_;
+};
+
+// Ten cameras' images of one moment, as the live way has them.
+void print_live_speed(const KeyStudy& study, const std::string& keep) {
+  const auto rendered = render(study, keep);
+  std::vector<capture::LiveKey> keys;
+  std::vector<capture::Image> images;
+  for (std::size_t i = 0; i < study.cameras.size(); ++i) {
+    images.push_back(rendered.moments.front().views[i].image);
+    const auto stage = capture::stage_mask(study.cameras[i], simulator::kStageVolume);
+    keys.emplace_back(rendered.plates[i], images.back().format, capture::LiveKeyOptions{{}, stage});
+  }
+  std::vector<double> wall, cpu;
+  for (int run = 0; run < 101; ++run) {
+    const auto begun = std::chrono::steady_clock::now();
+    const double cpu_begun = cpu_ms();
+    capture::key_live(keys, images);
+    wall.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begun).count());
+    cpu.push_back(cpu_ms() - cpu_begun);
+  }
+  std::sort(wall.begin(), wall.end());
+  std::sort(cpu.begin(), cpu.end());
+  fmt::print("live key, {} images: median {:.2f} ms wall, {:.2f} ms CPU (least {:.2f}, {:.2f})\n", images.size(),
+             wall[wall.size() / 2], cpu[cpu.size() / 2], wall.front(), cpu.front());
 }
 
-void colours(simulator::SceneRenderer& studio) {
-  const auto mesh = studio.performance().surfaces_at(0.0).front();
-  std::vector<recon::ColourView> views;
-  const auto pictures = studio.pictures(0.0, 7);
-  for (std::size_t i = 0; i < pictures.size(); ++i)
-    views.push_back({studio.cameras()[i], as_sent(pictures[i].rgb), {pictures[i].matte}});
-  const double start = cpu_seconds();
-  const auto found = recon::surface_colour(mesh.positions, mesh.normals, mesh, views);
-  const double seconds = cpu_seconds() - start;
-  const auto seen = std::count(found.coverage.begin(), found.coverage.end(), 255);
-  fmt::print("colour {} points, {} triangles, {} views: {:.0f} ms CPU, {:.1f} % seen\n", mesh.positions.size(),
-             mesh.triangles.size(), views.size(), 1e3 * seconds,
-             100.0 * static_cast<double>(seen) / static_cast<double>(mesh.positions.size()));
+int run(int argc, char** argv) {
+  Options options;
+  CLI::App app("The key against the simulator's truth", "key_bench");
+  app.add_flag("--development", options.development, "the studies that constants are chosen on, not the held-out ones");
+  app.add_option("--keep", options.keep, "keep rendered pictures in this folder for the next time");
+  app.add_option("--pictures", options.pictures,
+                 "write the worst mattes beside their pictures: red too much, cyan too little");
+  app.add_flag("--no-baselines", options.no_baselines, "leave out what it is compared with");
+  app.add_option("--person", options.person, "this person only");
+  CLI11_PARSE(app, argc, argv);
+  try {
+    if (!options.pictures.empty()) std::filesystem::create_directories(options.pictures);
+    const auto studies = options.development ? development_studies() : held_out_studies();
+    KeyBench(options).run(studies);
+    print_live_speed(studies.front(), options.keep);
+    return kDone;
+  } catch (...) {
+    return report_current_exception("key_bench");
+  }
 }
 
 }  // namespace
+}  // namespace rotunda::bench
 
 int main(int argc, char** argv) {
-  for (const auto& name : simulator::person_names()) {
-    const auto performance = simulator::make_performance({.person = name, .act = "walk"});
-    simulator::SceneRenderer studio(*performance, simulator::camera_layout());
-    Totals with_plate, without;
-    for (int frame = 0; frame < 24; frame += 8) {
-      const auto pictures = studio.pictures(simulator::act_seconds(frame), static_cast<std::uint64_t>(frame));
-      for (std::size_t i = 0; i < pictures.size(); ++i) {
-        const cv::Mat rgb = as_sent(pictures[i].rgb);
-        key_one(rgb, pictures[i].matte, as_sent(studio.clean_plate(i)), with_plate);
-        key_one(rgb, pictures[i].matte, {}, without);
-      }
-    }
-    print(name + ", clean plate", with_plate);
-    print(name + ", plate fitted", without);
-    colours(studio);
-    if (argc > 1) {
-      capture::write_png(std::filesystem::path(argv[1]) / (name + "-plate.png"), with_plate.worst.picture);
-      capture::write_png(std::filesystem::path(argv[1]) / (name + "-fitted.png"), without.worst.picture);
-    }
-  }
+  return rotunda::bench::run(argc, argv);
 }
