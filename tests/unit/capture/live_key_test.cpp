@@ -83,7 +83,7 @@ TEST(LiveKey, TakesTheScreensColourFromThePlate) {
 TEST(LiveKey, LeavesShadowToTheBackdropAndDarkClothToThePerformer) {
   const LiveKey key(picture_of(kBlue, {}, false), PixelFormat::bayer_rg8);
   // Shadow on paint gets bluer: it is filled with light off the paint.
-  cv::Mat shaded = picture_of(kBlue, {28, 28, 30}, true, 0.5);
+  cv::Mat shaded = picture_of(kBlue, {28, 28, 30}, true, 0.65);
   cv::Mat channels[3];
   cv::split(shaded, channels);
   channels[0].rowRange(181, kSize.height) *= 0.85;
