@@ -278,6 +278,12 @@ std::vector<Board> read_boards(const std::filesystem::path& file) {
   return boards;
 }
 
+int dictionary_number(const std::string& name) {
+  for (const auto& [known, number] : kDictionaries)
+    if (name == known) return number;
+  throw InvalidInput("there is no dictionary " + name);
+}
+
 void check_boards(std::span<const Board> boards) {
   for (const auto& board : boards)
     if (const auto flaw = flaw_of(board)) throw InvalidInput(board.name + ": " + flaw->second);

@@ -53,6 +53,7 @@ std::vector<Eigen::AlignedBox2d> black_rectangles(const Board& board);
 // CV_8UC1, 0 black and 255 white; one pixel is one cell, the black rim of one cell included.
 cv::Mat marker_cells(const std::string& dictionary, int id);
 std::vector<std::string> dictionary_names();
+int dictionary_number(const std::string& name);  // OpenCV's; throws InvalidInput for an unknown name
 
 // The boards of a file. Throws ConfigError with every mistake: unknown dictionary, markers that do not fit or run out,
 // boards that cannot be told apart.

@@ -1,0 +1,312 @@
+#include "capture/calibration/calibrate.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "capture/calibration/board_search.h"
+#include "capture/calibration/calibration_quality.h"
+#include "capture/calibration/camera_faults.h"
+#include "capture/calibration/camera_graph.h"
+#include "capture/calibration/camera_start.h"
+#include "capture/calibration/world_frame.h"
+#include "config/errors.h"
+
+namespace rotunda::capture {
+namespace {
+
+constexpr double kOutlier = 5.0;                          // noises
+constexpr double kFirstOutlier = 10.0;                    // before the noise is known well
+constexpr std::ptrdiff_t kFewestAfterKnock = 8;           // boards
+constexpr double kLeastGate = 0.02;                       // pixels: finer than any sensor's corners
+constexpr double kLargestReach = 3.0, kLeastReach = 1.0;  // pixels about a prediction
+
+// The way of a calibration; what each step leaves for the next.
+class Calibration {
+ public:
+  Calibration(std::vector<std::string> moments, const CalibrateOptions& options)
+      : boards_(options.boards), options_(options) {
+    result_.moments = std::move(moments);
+    result_.boards = boards_;
+  }
+
+  void start(std::span<const CameraModel> sizes, std::vector<Sighting> sightings);
+  void place();
+  void adjust_all(double outliers);
+  void drop_before_knocks();
+  void search_again(const BoardPictures& pictures, const BoardDetector& detector, const std::stop_token& stop);
+  void take_world_frame();
+  CalibrationResult judged(const BoardPictures* pictures);
+  void add_problem(std::string problem) { result_.problems.push_back(std::move(problem)); }
+
+ private:
+  AdjustmentOptions adjustment() const { return {.keep_intrinsics = all_known_, .bend = options_.bend}; }
+  double outlier_px() const { return std::max(kLeastGate, kOutlier * noise_px_ * std::sqrt(2.0)); }
+  void keep_cameras(const std::vector<std::size_t>& kept);
+  void forget_unseen_boards();
+  void tell_groups(const CameraGraph& graph);
+
+  const std::vector<Board> boards_;
+  const CalibrateOptions& options_;
+  bool all_known_ = false;
+  std::vector<std::size_t> source_;  // of each camera: its number in the pictures
+  std::vector<CameraModel> started_;
+  std::vector<Sighting> sightings_;                         // with outliers
+  std::set<std::pair<std::size_t, std::size_t>> left_out_;  // camera, moment: before (or after) a knock
+  std::vector<Sighting> good_;                              // without
+  RigState state_;
+  double noise_px_ = 1.0;
+  CalibrationResult result_;
+};
+
+const CameraModel* known_camera(std::span<const CameraModel> known, const CameraModel& camera) {
+  const auto found = std::find_if(known.begin(), known.end(), [&](const auto& k) { return k.name == camera.name; });
+  if (found == known.end()) return nullptr;
+  if (found->width != camera.width || found->height != camera.height)
+    throw InvalidInput(fmt::format("{}: the given intrinsics are for {} x {}, the pictures are {} x {}", camera.name,
+                                   found->width, found->height, camera.width, camera.height));
+  return &*found;
+}
+
+std::vector<Sighting> of_camera(std::span<const Sighting> sightings, std::size_t camera) {
+  std::vector<Sighting> own;
+  std::copy_if(sightings.begin(), sightings.end(), std::back_inserter(own),
+               [&](const auto& sighting) { return sighting.camera == camera; });
+  return own;
+}
+
+void Calibration::start(std::span<const CameraModel> sizes, std::vector<Sighting> sightings) {
+  sightings_ = std::move(sightings);
+  std::vector<std::optional<CameraStart>> starts(sizes.size());
+  std::vector<std::uint8_t> known(sizes.size(), 0);
+  for (std::size_t i = 0; i < sizes.size(); ++i)
+    if (const auto* given = known_camera(options_.known, sizes[i])) starts[i] = CameraStart{*given, 0.0}, known[i] = 1;
+  tbb::parallel_for(std::size_t{0}, sizes.size(), [&](std::size_t i) {
+    if (known[i] == 0) starts[i] = start_camera(sizes[i], of_camera(sightings_, i), boards_);
+  });
+  std::vector<std::size_t> kept;
+  std::size_t from_file = 0;
+  for (std::size_t i = 0; i < sizes.size(); ++i) {
+    const auto views = of_camera(sightings_, i).size();
+    if (starts[i] && views > 0) {
+      kept.push_back(i);
+      started_.push_back(starts[i]->camera);
+      from_file += known[i];
+      continue;
+    }
+    result_.problems.push_back(
+        fmt::format("{} saw the board {} times; it takes {}: it is left out. Show it the board at "
+                    "different places, tilted",
+                    sizes[i].name, views, kFewestViews));
+  }
+  if (kept.size() < 2)
+    throw InvalidInput(fmt::format("only {} of {} cameras saw enough boards; a rig has two at least. {}", kept.size(),
+                                   sizes.size(), fmt::join(result_.problems, "; ")));
+  all_known_ = from_file == kept.size();
+  if (from_file > 0 && !all_known_)
+    throw InvalidInput(fmt::format("the given intrinsics know {} of {} cameras only: give all of them, or none",
+                                   from_file, kept.size()));
+  source_.resize(sizes.size());
+  for (std::size_t i = 0; i < sizes.size(); ++i) source_[i] = i;
+  keep_cameras(kept);
+}
+
+// Numbers the cameras anew.
+void Calibration::keep_cameras(const std::vector<std::size_t>& kept) {
+  std::vector<std::size_t> source;
+  std::vector<Sighting> sightings;
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    source.push_back(source_[kept[i]]);
+    for (auto sighting : of_camera(sightings_, kept[i])) {
+      sighting.camera = i;
+      sightings.push_back(std::move(sighting));
+    }
+  }
+  source_ = std::move(source);
+  sightings_ = std::move(sightings);
+}
+
+void Calibration::tell_groups(const CameraGraph& graph) {
+  std::vector<std::string> groups;
+  for (const auto& group : graph.groups) {
+    std::vector<std::string> names;
+    for (const std::size_t camera : group) names.push_back(started_[camera].name);
+    groups.push_back(fmt::format("{}", fmt::join(names, ", ")));
+  }
+  for (std::size_t i = 1; i < graph.groups.size(); ++i) {
+    result_.problems.push_back(why_apart(graph, i, started_, sightings_, boards_));
+    result_.verdict = Verdict::rejected;
+  }
+  if (groups.size() > 1)
+    result_.advice.push_back(
+        fmt::format("the cameras fall into groups that never see the board together ({}): walk "
+                    "the board where two groups see it at once",
+                    fmt::join(groups, " | ")));
+}
+
+void Calibration::place() {
+  auto graph = place_cameras(started_, sightings_, boards_);
+  tell_groups(graph);
+  const auto group = graph.groups.front();
+  if (group.size() < 2)
+    throw InvalidInput(
+        fmt::format("no two cameras saw the board at the same moment. {}", fmt::join(result_.problems, "; ")));
+  keep_cameras(group);
+  std::vector<CameraModel> cameras;
+  for (const std::size_t camera : group) cameras.push_back(graph.state.cameras[camera]);
+  graph.state.cameras = std::move(cameras);
+  state_ = std::move(graph.state);
+  good_ = sightings_;
+}
+
+// Robustly with everything, then again without what is off by more than the noise allows.
+void Calibration::adjust_all(double outliers) {
+  auto report = adjust(state_, good_, boards_, adjustment());
+  for (int i = 0; i < 2; ++i) {
+    noise_px_ = report.noise_px;
+    std::size_t removed = 0;
+    good_ = without_outliers(state_, sightings_, boards_, std::max(kLeastGate, outliers * noise_px_ * std::sqrt(2.0)),
+                             removed);
+    report = adjust(state_, good_, boards_, adjustment());
+  }
+  noise_px_ = report.noise_px;
+}
+
+// A camera that was knocked meanwhile has one pose too many: the later one counts, if there are boards enough for it.
+void Calibration::drop_before_knocks() {
+  bool dropped = false;
+  for (std::size_t camera = 0; camera < state_.cameras.size(); ++camera) {
+    const auto knock = find_knock(state_, sightings_, boards_, camera, noise_px_);
+    if (!knock) continue;
+    const auto later = std::count_if(sightings_.begin(), sightings_.end(), [&](const auto& sighting) {
+      return sighting.camera == camera && sighting.moment >= knock->first_after;
+    });
+    const bool keep_later = later >= kFewestAfterKnock;
+    result_.problems.push_back(fmt::format("{}; its pose {} is kept", in_words(*knock, state_, result_.moments),
+                                           keep_later ? "afterwards" : "before, as too few boards followed,"));
+    std::erase_if(sightings_, [&](const auto& sighting) {
+      return sighting.camera == camera && (sighting.moment < knock->first_after) == keep_later;
+    });
+    for (std::size_t moment = 0; moment < result_.moments.size(); ++moment)
+      if ((moment < knock->first_after) == keep_later) left_out_.insert({camera, moment});
+    if (keep_later) state_.cameras[camera] = knock->after.cameras[camera];
+    dropped = true;
+  }
+  if (!dropped) return;
+  result_.advice.push_back("fasten the camera that moved, and calibrate anew");
+  forget_unseen_boards();
+  adjust_all(kFirstOutlier);
+}
+
+void Calibration::forget_unseen_boards() {
+  std::set<BoardKey> seen;
+  for (const auto& sighting : sightings_) seen.insert({sighting.moment, sighting.board});
+  std::erase_if(state_.world_from_board, [&](const auto& entry) { return !seen.contains(entry.first); });
+}
+
+void Calibration::search_again(const BoardPictures& pictures, const BoardDetector& detector,
+                               const std::stop_token& stop) {
+  const double reach = std::clamp(10.0 * noise_px_, kLeastReach, kLargestReach);
+  sightings_ = search_predicted(pictures, detector, state_, sightings_, source_, reach, options_, stop);
+  std::erase_if(sightings_, [&](const auto& s) { return left_out_.contains({s.camera, s.moment}); });
+  std::size_t removed = 0;
+  good_ = without_outliers(state_, sightings_, boards_, reach, removed);
+}
+
+void Calibration::take_world_frame() {
+  if (!options_.world_from.empty()) {
+    const auto camera = std::find_if(state_.cameras.begin(), state_.cameras.end(),
+                                     [&](const auto& c) { return c.name == options_.world_from; });
+    if (camera == state_.cameras.end())
+      throw InvalidInput(fmt::format("the world cannot be taken from {}: it is not among the calibrated cameras",
+                                     options_.world_from));
+    Eigen::Isometry3d camera_from_world = Eigen::Isometry3d::Identity();
+    camera_from_world.linear() = camera->R;
+    camera_from_world.translation() = camera->t;
+    move_world(state_, camera_from_world);
+    result_.world = "the frame of " + options_.world_from;
+    return;
+  }
+  if (const auto floor = board_on_floor(state_, good_, boards_)) {
+    move_world(state_, state_.world_from_board.at(*floor).inverse());
+    result_.world = fmt::format("the board on the floor at {}: origin at its middle, x along it, z up",
+                                result_.moments[floor->first]);
+    return;
+  }
+  Eigen::Isometry3d first = Eigen::Isometry3d::Identity();
+  first.linear() = state_.cameras.front().R;
+  first.translation() = state_.cameras.front().t;
+  move_world(state_, first);
+  result_.world = fmt::format("the frame of {}, as no board lay on the floor", state_.cameras.front().name);
+  result_.advice.push_back(
+      "lay the board on the floor, face up, for one moment: it gives the world its origin and its floor");
+}
+
+CalibrationResult Calibration::judged(const BoardPictures* pictures) {
+  for (auto& swap : find_swaps(state_, options_.known)) result_.problems.push_back(std::move(swap));
+  take_world_frame();
+  result_.corner_noise_px = noise_px_;
+  tell_residuals(state_, sightings_, boards_, outlier_px(), result_);
+  tell_held_out(state_, good_, boards_, adjustment(), result_);
+  tell_coverage(state_, good_, boards_, result_);
+  tell_deviations(state_, good_, boards_, adjustment(), result_);
+  result_.cameras = state_.cameras;
+  for (std::size_t i = 0; i < result_.cameras.size(); ++i) result_.cameras[i].rms_px = result_.quality[i].rms_px;
+  for (const auto& [key, pose] : state_.world_from_board) result_.poses.push_back({key.first, key.second, pose});
+  if (pictures != nullptr && pictures->file)
+    for (auto& view : result_.views) view.picture = pictures->file(source_[view.camera], view.moment);
+  judge(result_);
+  return std::move(result_);
+}
+
+// What no calibration can begin without.
+void refuse_too_little(std::span<const CameraModel> sizes, std::span<const Sighting> sightings, std::size_t moments) {
+  if (sizes.size() < 2) throw InvalidInput(fmt::format("there is {} camera; a rig has two at least", sizes.size()));
+  if (moments < kFewestViews)
+    throw InvalidInput(fmt::format(
+        "there are {} moments; it takes {} at least, better 40: show the board at many places", moments, kFewestViews));
+  if (sightings.empty()) throw InvalidInput("no board was found in any picture");
+}
+
+}  // namespace
+
+CalibrationResult calibrate_sightings(std::span<const CameraModel> sizes, std::vector<std::string> moments,
+                                      std::vector<Sighting> sightings, const CalibrateOptions& options) {
+  check_boards(options.boards);
+  refuse_too_little(sizes, sightings, moments.size());
+  Calibration calibration(std::move(moments), options);
+  calibration.start(sizes, std::move(sightings));
+  calibration.place();
+  calibration.adjust_all(kFirstOutlier);
+  calibration.drop_before_knocks();
+  calibration.adjust_all(kOutlier);
+  return calibration.judged(nullptr);
+}
+
+CalibrationResult calibrate(const BoardPictures& pictures, const CalibrateOptions& options,
+                            const std::stop_token& stop) {
+  const BoardDetector detector(options.boards);
+  auto search = search_boards(pictures, detector, options, stop);
+  if (search.sightings.empty())
+    throw InvalidInput(fmt::format("no board was found in any of {} pictures: {}",
+                                   pictures.cameras.size() * pictures.moments.size(),
+                                   what_is_there_instead(pictures, options.boards)));
+  refuse_too_little(search.sizes, search.sightings, pictures.moments.size());
+  Calibration calibration(pictures.moments, options);
+  for (auto& trouble : search.troubles) calibration.add_problem(std::move(trouble));
+  calibration.start(search.sizes, std::move(search.sightings));
+  calibration.place();
+  calibration.adjust_all(kFirstOutlier);
+  calibration.drop_before_knocks();
+  for (int pass = 0; pass < (options.second_pass ? 2 : 0); ++pass) {
+    calibration.search_again(pictures, detector, stop);
+    calibration.adjust_all(kOutlier);
+  }
+  return calibration.judged(&pictures);
+}
+
+}  // namespace rotunda::capture

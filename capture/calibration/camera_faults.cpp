@@ -1,0 +1,337 @@
+#include "capture/calibration/camera_faults.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <set>
+
+namespace rotunda::capture {
+namespace {
+
+using Pose6 = Eigen::Matrix<double, 6, 1>;  // a turn and a shift of the camera in its own frame
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
+constexpr double kDisturbed = 0.5;         // pixels: a view worth a closer look
+constexpr double kLeastShift = 1.0;        // pixels; less is told by the residuals
+constexpr double kLeastShiftNoises = 6.0;  // of the corners' noise
+constexpr std::size_t kFewestStretch = 2;  // views before and after
+constexpr double kOtherCornersOff = 5.0;   // pixels from the view's median: a wrong corner, not a knock
+constexpr double kSamePlace = 0.15;        // metres
+constexpr double kSameWay = 5.0;           // degrees
+constexpr double kSwapHelps = 0.3;         // what is left of the misfit once two names are exchanged
+
+CameraModel moved(CameraModel camera, const Pose6& by) {
+  const Eigen::Vector3d axis = by.head<3>();
+  if (axis.norm() > 0.0) {
+    const Eigen::Matrix3d turn = Eigen::AngleAxisd(axis.norm(), axis.normalized()).toRotationMatrix();
+    camera.R = Eigen::Matrix3d(turn * camera.R);
+    camera.t = Eigen::Vector3d(turn * camera.t);
+  }
+  camera.t += by.tail<3>();
+  return camera;
+}
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<long>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// One view of the camera with what its corners say about the camera's pose.
+struct PoseEvidence {
+  std::size_t moment = 0;
+  Matrix6 H = Matrix6::Zero();
+  Pose6 g = Pose6::Zero();
+  double squares = 0.0;
+  int corners = 0;
+};
+
+PoseEvidence evidence_of(const RigState& state, const Sighting& sighting, const Board& board) {
+  PoseEvidence evidence{.moment = sighting.moment};
+  const auto positions = corner_positions(board);
+  const auto& world_from_board = state.world_from_board.at({sighting.moment, sighting.board});
+  std::vector<double> across, down;
+  std::vector<std::pair<Eigen::Vector2d, Eigen::Vector3d>> offs;
+  for (const auto& corner : sighting.corners) {
+    const auto& at = positions[static_cast<std::size_t>(corner.corner)];
+    const auto off = residual(state, sighting, corner, at);
+    if (!off) continue;
+    offs.emplace_back(*off, world_from_board * at);
+    across.push_back(off->x()), down.push_back(off->y());
+  }
+  const Eigen::Vector2d middle(median(across), median(down));
+  constexpr double kStep = 1e-6;
+  for (const auto& [off, world] : offs) {
+    if ((off - middle).norm() > kOtherCornersOff) continue;
+    Eigen::Matrix<double, 2, 6> J;
+    for (int i = 0; i < 6; ++i) {
+      const auto up = project(moved(state.cameras[sighting.camera], kStep * Pose6::Unit(i)), world);
+      const auto low = project(moved(state.cameras[sighting.camera], -kStep * Pose6::Unit(i)), world);
+      J.col(i) = up && low ? Eigen::Vector2d((*up - *low) / (2.0 * kStep)) : Eigen::Vector2d(Eigen::Vector2d::Zero());
+    }
+    evidence.H += J.transpose() * J;
+    evidence.g += J.transpose() * off;
+    evidence.squares += off.squaredNorm();
+    ++evidence.corners;
+  }
+  return evidence;
+}
+
+PoseEvidence sum_of(std::span<const PoseEvidence> all) {
+  PoseEvidence sum;
+  for (const auto& one : all) {
+    sum.H += one.H, sum.g += one.g;
+    sum.squares += one.squares;
+    sum.corners += one.corners;
+  }
+  return sum;
+}
+
+Pose6 solution(const PoseEvidence& evidence) {
+  const Matrix6 damped = evidence.H + 1e-9 * evidence.H.trace() * Matrix6::Identity();
+  return damped.ldlt().solve(evidence.g);
+}
+
+// What a pose of its own takes off the stretch's squares.
+double gain(const PoseEvidence& evidence) {
+  return evidence.g.dot(solution(evidence));
+}
+
+// The boards of this camera that others see too, posed by the others alone.
+RigState posed_by_others(const RigState& state, std::span<const Sighting> sightings, std::span<const Board> boards,
+                         std::size_t camera) {
+  std::set<BoardKey> own;
+  for (const auto& sighting : sightings)
+    if (sighting.camera == camera) own.insert({sighting.moment, sighting.board});
+  std::vector<Sighting> others;
+  RigState posed = state;
+  posed.world_from_board.clear();
+  for (const auto& sighting : sightings) {
+    const BoardKey key{sighting.moment, sighting.board};
+    const auto pose = state.world_from_board.find(key);
+    if (sighting.camera == camera || !own.contains(key) || pose == state.world_from_board.end()) continue;
+    posed.world_from_board[key] = pose->second;
+    others.push_back(sighting);
+  }
+  if (!others.empty()) adjust(posed, others, boards, {.keep_cameras = true, .rounds = 1});
+  return posed;
+}
+
+std::vector<const Sighting*> views_of(const RigState& state, std::span<const Sighting> sightings, std::size_t camera) {
+  std::vector<const Sighting*> views;
+  for (const auto& sighting : sightings)
+    if (sighting.camera == camera && state.world_from_board.contains({sighting.moment, sighting.board}))
+      views.push_back(&sighting);
+  std::stable_sort(views.begin(), views.end(), [](const auto* a, const auto* b) { return a->moment < b->moment; });
+  return views;
+}
+
+std::vector<PoseEvidence> evidence_of(const RigState& state, std::span<const Sighting* const> views,
+                                      std::span<const Board> boards) {
+  std::vector<PoseEvidence> all;
+  for (const auto* view : views) all.push_back(evidence_of(state, *view, boards[view->board]));
+  return all;
+}
+
+bool looks_disturbed(const RigState& state, std::span<const Sighting* const> views, std::span<const Board> boards,
+                     double limit) {
+  std::size_t far_off = 0;
+  for (const auto* view : views) {
+    const auto positions = corner_positions(boards[view->board]);
+    std::vector<double> distances;
+    for (const auto& corner : view->corners)
+      if (const auto off = residual(state, *view, corner, positions[static_cast<std::size_t>(corner.corner)]))
+        distances.push_back(off->norm());
+    if (median(distances) > limit) ++far_off;
+  }
+  return far_off >= kFewestStretch;
+}
+
+// The views after which a pose of its own for what follows helps most; 0: none.
+std::size_t best_split(const std::vector<PoseEvidence>& views) {
+  std::size_t best = 0;
+  double most = 0.0;
+  for (std::size_t i = kFewestStretch; i + kFewestStretch <= views.size(); ++i) {
+    if (views[i].moment == views[i - 1].moment) continue;
+    const double helps = gain(sum_of(std::span(views).first(i))) + gain(sum_of(std::span(views).subspan(i)));
+    if (helps <= most) continue;
+    most = helps;
+    best = i;
+  }
+  return best;
+}
+
+// The camera's pose by some views alone, boards held (Gauss-Newton).
+CameraModel resected(RigState state, std::span<const Sighting* const> views, std::span<const Board> boards,
+                     std::size_t camera) {
+  for (int i = 0; i < 10; ++i)
+    state.cameras[camera] = moved(state.cameras[camera], solution(sum_of(evidence_of(state, views, boards))));
+  return state.cameras[camera];
+}
+
+double mean_shift(const RigState& state, const CameraModel& before, const CameraModel& after,
+                  std::span<const Sighting* const> views, std::span<const Board> boards) {
+  double sum = 0.0;
+  int count = 0;
+  for (const auto* view : views)
+    for (const auto& corner : corner_positions(boards[view->board])) {
+      const Eigen::Vector3d world = state.world_from_board.at({view->moment, view->board}) * corner;
+      const auto a = project(before, world), b = project(after, world);
+      if (!a || !b) continue;
+      sum += (*a - *b).norm();
+      ++count;
+    }
+  return count > 0 ? sum / count : 0.0;
+}
+
+double angle_deg(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
+  return Eigen::AngleAxisd(a * b.transpose()).angle() * 180.0 / std::numbers::pi;
+}
+
+std::optional<std::size_t> who_stood_there(const RigState& state, const CameraModel& camera, std::size_t itself) {
+  for (std::size_t i = 0; i < state.cameras.size(); ++i)
+    if (i != itself && (state.cameras[i].centre() - camera.centre()).norm() < kSamePlace &&
+        angle_deg(state.cameras[i].R, camera.R) < kSameWay)
+      return i;
+  return std::nullopt;
+}
+
+// Root mean square distance of the centres after rigid alignment.
+double misfit(const Eigen::Matrix3Xd& a, const Eigen::Matrix3Xd& b) {
+  const Eigen::Matrix4d T = Eigen::umeyama(a, b, false);
+  return std::sqrt(
+      ((T.topLeftCorner<3, 3>() * a).colwise() + T.topRightCorner<3, 1>() - b).colwise().squaredNorm().mean());
+}
+
+std::vector<std::string> names_exchanged(const RigState& state, std::span<const CameraModel> reference) {
+  const auto n = static_cast<Eigen::Index>(state.cameras.size());
+  Eigen::Matrix3Xd now(3, n), then(3, n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const auto& camera = state.cameras[static_cast<std::size_t>(i)];
+    const auto known =
+        std::find_if(reference.begin(), reference.end(), [&](const auto& other) { return other.name == camera.name; });
+    if (known == reference.end()) return {};
+    now.col(i) = camera.centre();
+    then.col(i) = known->centre();
+  }
+  if (n < 4 || (then.colwise() - then.col(0)).norm() < kSamePlace) return {};  // the reference has no poses
+  std::vector<std::string> faults;
+  for (double before = misfit(now, then); before > kSamePlace;) {
+    double least = kSwapHelps * before;
+    std::pair<Eigen::Index, Eigen::Index> best{-1, -1};
+    for (Eigen::Index a = 0; a < n; ++a)
+      for (Eigen::Index b = a + 1; b < n; ++b) {
+        Eigen::Matrix3Xd exchanged = then;
+        exchanged.col(a).swap(exchanged.col(b));
+        const double after = misfit(now, exchanged);
+        if (after < least) least = after, best = {a, b};
+      }
+    if (best.first < 0) break;
+    then.col(best.first).swap(then.col(best.second));
+    before = least;
+    faults.push_back(
+        fmt::format("{} and {} are swapped: each stands where the given file has the other; exchange their "
+                    "cables, names or folders",
+                    state.cameras[static_cast<std::size_t>(best.first)].name,
+                    state.cameras[static_cast<std::size_t>(best.second)].name));
+  }
+  return faults;
+}
+
+// The board as it would be listed were the picture mirrored: OpenCV finds a chessboard either way.
+Sighting mirrored(Sighting sighting, const CameraModel& camera, const Board& board) {
+  const int columns = board.columns - 1, rows = board.rows - 1;
+  for (auto& corner : sighting.corners) {
+    const int column = corner.corner % columns, row = corner.corner / columns;
+    // Of the two ways about, the one that keeps black squares black.
+    corner.corner =
+        board.columns % 2 == 1 ? row * columns + (columns - 1 - column) : (rows - 1 - row) * columns + column;
+    corner.pixel.x() = camera.width - 1 - corner.pixel.x();
+  }
+  return sighting;
+}
+
+bool fits_mirrored(std::size_t camera, const std::vector<std::size_t>& group, std::span<const CameraModel> cameras,
+                   std::span<const Sighting> sightings, std::span<const Board> boards) {
+  std::vector<CameraModel> some{cameras[camera]};
+  some.front().K(0, 2) = some.front().width - 1 - some.front().K(0, 2);
+  for (const std::size_t other : group) some.push_back(cameras[other]);
+  std::vector<Sighting> theirs;
+  for (auto sighting : sightings) {
+    const auto other = std::find(group.begin(), group.end(), sighting.camera);
+    if (sighting.camera == camera) {
+      sighting = mirrored(std::move(sighting), cameras[camera], boards[sighting.board]);
+      sighting.camera = 0;
+    } else if (other != group.end()) {
+      sighting.camera = static_cast<std::size_t>(other - group.begin()) + 1;
+    } else {
+      continue;
+    }
+    theirs.push_back(std::move(sighting));
+  }
+  const auto graph = place_cameras(some, theirs, boards);
+  return std::any_of(graph.ties.begin(), graph.ties.end(),
+                     [](const auto& tie) { return tie.a == 0 && 2 * tie.agreeing > tie.boards; });
+}
+
+}  // namespace
+
+std::string why_apart(const CameraGraph& graph, std::size_t group, std::span<const CameraModel> cameras,
+                      std::span<const Sighting> sightings, std::span<const Board> boards) {
+  const auto& apart = graph.groups[group];
+  const auto& main = graph.groups.front();
+  int shared = 0;
+  for (const auto& tie : graph.ties)
+    for (const auto& [one, other] : {std::pair{tie.a, tie.b}, {tie.b, tie.a}})
+      if (std::count(apart.begin(), apart.end(), one) > 0 && std::count(main.begin(), main.end(), other) > 0)
+        shared += tie.boards;
+  std::string names = cameras[apart.front()].name;
+  for (std::size_t i = 1; i < apart.size(); ++i) names += ", " + cameras[apart[i]].name;
+  if (shared == 0)
+    return fmt::format("{} never saw the board at the same moment as {}: left out", names, cameras[main.front()].name);
+  if (boards[0].type == BoardType::chessboard && fits_mirrored(apart.front(), main, cameras, sightings, boards))
+    return fmt::format("{}: its picture is mirrored; switch that off in the camera", names);
+  return fmt::format(
+      "{} saw the board {} times together with others, and each time it stands elsewhere: pictures of "
+      "other moments, or a mirrored picture; left out",
+      names, shared);
+}
+
+std::optional<Knock> find_knock(const RigState& state, std::span<const Sighting> sightings,
+                                std::span<const Board> boards, std::size_t camera, double noise_px) {
+  const double limit = std::max(kLeastShift, kLeastShiftNoises * noise_px);
+  const double disturbed = std::max(kDisturbed, kLeastShiftNoises * noise_px);
+  if (!looks_disturbed(state, views_of(state, sightings, camera), boards, disturbed)) return std::nullopt;
+  const RigState posed = posed_by_others(state, sightings, boards, camera);
+  const auto views = views_of(posed, sightings, camera);
+  const std::size_t split = best_split(evidence_of(posed, views, boards));
+  if (split == 0) return std::nullopt;
+  const std::span<const Sighting* const> all(views);
+  const CameraModel before = resected(posed, all.first(split), boards, camera);
+  Knock knock{.camera = camera, .last_before = views[split - 1]->moment, .first_after = views[split]->moment};
+  knock.after = state;
+  knock.after.cameras[camera] = resected(posed, all.subspan(split), boards, camera);
+  knock.shift_px = mean_shift(posed, before, knock.after.cameras[camera], all, boards);
+  if (!(knock.shift_px > limit)) return std::nullopt;
+  return knock;
+}
+
+std::string in_words(const Knock& knock, const RigState& state, std::span<const std::string> moments) {
+  const auto& name = state.cameras[knock.camera].name;
+  const auto when = fmt::format("between {} and {}", moments[knock.last_before], moments[knock.first_after]);
+  if (const auto other = who_stood_there(state, knock.after.cameras[knock.camera], knock.camera))
+    return fmt::format("{} and {} were swapped {}: from then on one shows what the other showed", name,
+                       state.cameras[*other].name, when);
+  return fmt::format("{} moved {}, by {:.1f} px", name, when, knock.shift_px);
+}
+
+std::vector<std::string> find_swaps(const RigState& state, std::span<const CameraModel> reference) {
+  return names_exchanged(state, reference);
+}
+
+}  // namespace rotunda::capture

@@ -1,0 +1,25 @@
+#pragma once
+// Which cameras see boards together, and from that where each stands: relative poses by pairs, chained along the ties
+// that most boards agree on (a maximum spanning tree), then the boards' poses that suit all cameras best.
+#include "capture/calibration/bundle_adjustment.h"
+
+namespace rotunda::capture {
+
+struct SeenTogether {
+  std::size_t a = 0, b = 0;
+  int boards = 0;    // seen by both at one moment
+  int agreeing = 0;  // of them, with one relative pose of the cameras
+  Eigen::Isometry3d b_from_a = Eigen::Isometry3d::Identity();
+};
+
+struct CameraGraph {
+  std::vector<SeenTogether> ties;                // pairs with at least one board in common
+  std::vector<std::vector<std::size_t>> groups;  // of cameras tied together, the largest first; each ascending
+  RigState state;                                // poses of the first group; the others' cameras are left as they were
+};
+
+// `cameras` with intrinsics; their poses are not read.
+CameraGraph place_cameras(std::span<const CameraModel> cameras, std::span<const Sighting> sightings,
+                          std::span<const Board> boards);
+
+}  // namespace rotunda::capture

@@ -1,0 +1,155 @@
+#include "capture/calibration/camera_watch.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "capture/calibration/camera_start.h"
+#include "config/errors.h"
+
+namespace rotunda::capture {
+namespace {
+
+constexpr int kFeatures = 120;        // sought
+constexpr int kHalfPatch = 8;         // pixels
+constexpr int kReach = 32;            // pixels a feature may have moved
+constexpr double kFoundAgain = 0.85;  // correlation
+constexpr double kClearly = 0.05;     // more than anywhere else nearby
+constexpr double kAgree = 1.0;        // pixels from what most say
+constexpr int kFewestAgreeing = 8;
+constexpr double kShareAgreeing = 0.4;  // of those found again
+constexpr double kLeastContrast = 4.0;  // levels, standard deviation in a patch: above the noise
+constexpr double kTold = 0.33;          // pixels
+
+double parabola_peak(double before, double at, double after) {
+  const double curvature = before - 2.0 * at + after;
+  return curvature < 0.0 ? std::clamp(0.5 * (before - after) / curvature, -0.5, 0.5) : 0.0;
+}
+
+bool is_empty_patch(const cv::Mat& patch) {
+  cv::Scalar mean, deviation;
+  cv::meanStdDev(patch, mean, deviation);
+  return deviation[0] < kLeastContrast;
+}
+
+// Where the patch about `at` is in the other picture, to a fraction of a pixel.
+std::optional<cv::Point2f> found_again(const cv::Mat& before, const cv::Mat& now, const cv::Point& at) {
+  const cv::Rect picture({}, before.size());
+  const cv::Rect patch(at.x - kHalfPatch, at.y - kHalfPatch, 2 * kHalfPatch + 1, 2 * kHalfPatch + 1);
+  const cv::Rect window =
+      cv::Rect(patch.x - kReach, patch.y - kReach, patch.width + 2 * kReach, patch.height + 2 * kReach) & picture;
+  if ((patch & picture) != patch || is_empty_patch(before(patch))) return std::nullopt;
+  cv::Mat score;
+  cv::matchTemplate(now(window), before(patch), score, cv::TM_CCOEFF_NORMED);
+  cv::Point best;
+  double highest = 0.0, next = 0.0;
+  cv::minMaxLoc(score, nullptr, &highest, nullptr, &best);
+  if (highest < kFoundAgain || best.x < 1 || best.y < 1 || best.x + 1 >= score.cols || best.y + 1 >= score.rows)
+    return std::nullopt;
+  const auto value = [&](int dx, int dy) { return score.at<float>(best.y + dy, best.x + dx); };
+  const cv::Point2f sub(static_cast<float>(parabola_peak(value(-1, 0), value(0, 0), value(1, 0))),
+                        static_cast<float>(parabola_peak(value(0, -1), value(0, 0), value(0, 1))));
+  cv::Mat elsewhere = score.clone();
+  cv::circle(elsewhere, best, kHalfPatch, cv::Scalar(-1.0), cv::FILLED);
+  cv::minMaxLoc(elsewhere, nullptr, &next);
+  if (highest - next < kClearly) return std::nullopt;  // a row of equal things
+  return cv::Point2f(static_cast<float>(window.x + best.x + kHalfPatch),
+                     static_cast<float>(window.y + best.y + kHalfPatch)) +
+         sub;
+}
+
+double mean_shift(const cv::Mat& affine, const cv::Size& size) {
+  double sum = 0.0;
+  constexpr int kSteps = 5;
+  for (int i = 0; i < kSteps; ++i)
+    for (int j = 0; j < kSteps; ++j) {
+      const double x = (size.width - 1.0) * i / (kSteps - 1), y = (size.height - 1.0) * j / (kSteps - 1);
+      sum += std::hypot(affine.at<double>(0, 0) * x + affine.at<double>(0, 1) * y + affine.at<double>(0, 2) - x,
+                        affine.at<double>(1, 0) * x + affine.at<double>(1, 1) * y + affine.at<double>(1, 2) - y);
+    }
+  return sum / (kSteps * kSteps);
+}
+
+Eigen::Isometry3d camera_from_world(const CameraModel& camera) {
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.linear() = camera.R;
+  pose.translation() = camera.t;
+  return pose;
+}
+
+}  // namespace
+
+std::optional<BackgroundShift> background_shift(const cv::Mat& before, const cv::Mat& now) {
+  if (before.type() != CV_8UC1 || now.type() != CV_8UC1 || before.size() != now.size())
+    throw InvalidInput("backgrounds are compared as grey pictures of one size");
+  std::vector<cv::Point2f> corners, from, to;
+  cv::goodFeaturesToTrack(before, corners, kFeatures, 0.01, std::max(before.cols / 40.0, 4.0));
+  for (const auto& corner : corners) {
+    const cv::Point at(cvRound(corner.x), cvRound(corner.y));
+    const auto again = found_again(before, now, at);
+    if (!again) continue;
+    from.emplace_back(at);
+    to.push_back(*again);
+  }
+  if (static_cast<int>(from.size()) < kFewestAgreeing) return std::nullopt;
+  cv::Mat inliers;
+  const cv::Mat affine = cv::estimateAffinePartial2D(from, to, inliers, cv::RANSAC, kAgree);
+  BackgroundShift shift{.features = inliers.empty() ? 0 : cv::countNonZero(inliers)};
+  if (affine.empty() || shift.features < kFewestAgreeing ||
+      shift.features < kShareAgreeing * static_cast<double>(from.size()))
+    return std::nullopt;
+  shift.shift_px = mean_shift(affine, before.size());
+  shift.turn_deg = std::atan2(affine.at<double>(1, 0), affine.at<double>(0, 0)) * 180.0 / std::numbers::pi;
+  double squares = 0.0;
+  for (int i = 0; i < inliers.rows; ++i) {
+    if (inliers.at<std::uint8_t>(i) == 0) continue;
+    const auto& p = from[static_cast<std::size_t>(i)];
+    const auto& q = to[static_cast<std::size_t>(i)];
+    const auto along = [&](int row) {
+      return affine.at<double>(row, 0) * p.x + affine.at<double>(row, 1) * p.y + affine.at<double>(row, 2);
+    };
+    squares += std::pow(along(0) - q.x, 2) + std::pow(along(1) - q.y, 2);
+  }
+  shift.deviation_px = std::sqrt(squares / shift.features / (shift.features - 2.0));
+  return shift;
+}
+
+bool has_moved(const BackgroundShift& shift) {
+  return shift.shift_px > std::max(kTold, 4.0 * shift.deviation_px);
+}
+
+std::vector<BoardShift> board_shifts(std::span<const CameraModel> cameras, std::span<const Sighting> sightings,
+                                     std::span<const Board> boards) {
+  std::vector<BoardShift> shifts(cameras.size());
+  for (std::size_t camera = 0; camera < cameras.size(); ++camera) {
+    RigState state;
+    state.cameras.assign(cameras.begin(), cameras.end());
+    std::vector<Sighting> others, own;
+    for (const auto& sighting : sightings) {
+      (sighting.camera == camera ? own : others).push_back(sighting);
+      const BoardKey key{sighting.moment, sighting.board};
+      if (sighting.camera == camera || state.world_from_board.contains(key)) continue;
+      const auto poses = camera_from_board(cameras[sighting.camera], sighting, boards[sighting.board]);
+      if (!poses.empty())
+        state.world_from_board[key] = camera_from_world(cameras[sighting.camera]).inverse() * poses.front();
+    }
+    if (own.empty() || state.world_from_board.empty()) continue;
+    adjust(state, others, boards, {.keep_cameras = true, .rounds = 2});
+    double squares = 0.0;
+    for (const auto& sighting : own) {
+      if (!state.world_from_board.contains({sighting.moment, sighting.board})) continue;
+      const auto positions = corner_positions(boards[sighting.board]);
+      for (const auto& corner : sighting.corners)
+        if (const auto off = residual(state, sighting, corner, positions[static_cast<std::size_t>(corner.corner)])) {
+          squares += off->squaredNorm();
+          ++shifts[camera].corners;
+        }
+    }
+    if (shifts[camera].corners > 0) shifts[camera].shift_px = std::sqrt(squares / shifts[camera].corners);
+  }
+  return shifts;
+}
+
+}  // namespace rotunda::capture

@@ -1,0 +1,17 @@
+#pragma once
+// Where the world's origin is: on the board that lay on the floor (x along it, z up), or in a camera.
+#include <optional>
+
+#include "capture/calibration/bundle_adjustment.h"
+
+namespace rotunda::capture {
+
+// The board that lies on the floor: below every other board, before all cameras' upright side. Of several the one that
+// most cameras saw. Nothing if no board was laid down.
+std::optional<BoardKey> board_on_floor(const RigState& state, std::span<const Sighting> sightings,
+                                       std::span<const Board> boards);
+
+// Everything moved rigidly: new_from_old is applied to the world.
+void move_world(RigState& state, const Eigen::Isometry3d& new_from_old);
+
+}  // namespace rotunda::capture

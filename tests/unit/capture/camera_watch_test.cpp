@@ -1,0 +1,69 @@
+#include "capture/calibration/camera_watch.h"
+
+#include <gtest/gtest.h>
+
+#include <opencv2/imgproc.hpp>
+
+#include "config/errors.h"
+#include "tests/support/board_scene.h"
+
+namespace rotunda::capture {
+namespace {
+
+// A wall with things on it, seen with noise after the camera was moved.
+cv::Mat wall(double dx, double dy, double turn_deg, unsigned seed, bool somebody = false) {
+  cv::Mat picture(240, 320, CV_8UC1, cv::Scalar(80));
+  cv::RNG things(7);
+  for (int i = 0; i < 40; ++i)
+    cv::rectangle(
+        picture, cv::Rect(things.uniform(0, 300), things.uniform(0, 220), things.uniform(4, 30), things.uniform(4, 30)),
+        cv::Scalar(things.uniform(30, 220)), cv::FILLED);
+  cv::Mat turn = cv::getRotationMatrix2D({159.5F, 119.5F}, turn_deg, 1.0);
+  turn.at<double>(0, 2) += dx;
+  turn.at<double>(1, 2) += dy;
+  cv::GaussianBlur(picture, picture, {}, 0.8);
+  cv::warpAffine(picture, picture, turn, picture.size(), cv::INTER_CUBIC, cv::BORDER_REPLICATE);
+  if (somebody) cv::ellipse(picture, {150, 130}, {35, 90}, 0, 0, 360, cv::Scalar(190), cv::FILLED);
+  cv::Mat noise(picture.size(), CV_16SC1), noisy;
+  cv::RNG(seed).fill(noise, cv::RNG::NORMAL, 0, 2.0);
+  picture.convertTo(noisy, CV_16SC1);
+  noisy += noise;
+  noisy.convertTo(picture, CV_8UC1);
+  return picture;
+}
+
+TEST(CameraWatch, SeesThatTheBackgroundMovedAndByHowMuch) {
+  const auto before = wall(0, 0, 0, 1);
+  const auto still = background_shift(before, wall(0, 0, 0, 2, true));
+  ASSERT_TRUE(still);
+  EXPECT_LT(still->shift_px, 0.15);
+  EXPECT_FALSE(has_moved(*still));
+  const auto knocked = background_shift(before, wall(3.3, -1.6, 0, 3, true));
+  ASSERT_TRUE(knocked);
+  EXPECT_NEAR(knocked->shift_px, std::hypot(3.3, 1.6), 0.2);
+  EXPECT_TRUE(has_moved(*knocked));
+  const auto turned = background_shift(before, wall(0, 0, 1.0, 4));
+  ASSERT_TRUE(turned);
+  EXPECT_NEAR(std::abs(turned->turn_deg), 1.0, 0.1);
+  EXPECT_TRUE(has_moved(*turned));
+}
+
+TEST(CameraWatch, SaysNothingOfAnEmptyWall) {
+  EXPECT_FALSE(background_shift(cv::Mat(240, 320, CV_8UC1, cv::Scalar(90)), wall(0, 0, 0, 1)));
+  EXPECT_THROW(background_shift(wall(0, 0, 0, 1), cv::Mat(10, 10, CV_8UC1)), InvalidInput);
+}
+
+TEST(CameraWatch, ABoardTellsWhichCameraMoved) {
+  const Board board{};
+  const auto rig = tests::board_rig(4);
+  auto now = rig;
+  now[1].t.y() += 0.01;  // 2 px at 3.6 m
+  const auto shifts =
+      board_shifts(rig, tests::sightings_of(now, board, tests::board_walk(12), 0.03), std::vector{board});
+  ASSERT_EQ(shifts.size(), 4U);
+  EXPECT_NEAR(shifts[1].shift_px, 2.0, 0.8);
+  for (const std::size_t other : {0U, 2U, 3U}) EXPECT_LT(shifts[other].shift_px, shifts[1].shift_px);
+}
+
+}  // namespace
+}  // namespace rotunda::capture
