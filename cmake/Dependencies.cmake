@@ -31,7 +31,6 @@ find_path(TINYGLTF_INCLUDE_DIR tiny_gltf.h REQUIRED)
 
 # The narrow OpenCV packages ship neither a CMake nor a pkg-config file: those come only with libopencv-dev.
 find_path(OPENCV_INCLUDE_DIR opencv2/core.hpp PATH_SUFFIXES opencv4 REQUIRED)
-foreach(module core imgproc imgcodecs calib3d aruco mcc)
 foreach(module core imgproc imgcodecs calib3d aruco video)
   find_library(OPENCV_${module}_LIBRARY opencv_${module} REQUIRED)
   add_library(opencv::${module} UNKNOWN IMPORTED)

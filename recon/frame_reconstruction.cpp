@@ -67,7 +67,6 @@ std::uint8_t mix(std::uint8_t a, std::uint8_t b, double share) {
 FrameViews key_frame(const capture::FrameSet& frame_set, const StudioViews& studio,
                      std::span<const capture::Matte> given_mattes, StageClock& clock) {
   FrameViews views{.cameras = {}, .pictures = {}, .mattes = {}, .colour = {}, .backdrop = studio.backdrop};
-  FrameViews views{.cameras = {}, .pictures = {}, .mattes = {}, .backdrop = studio.backdrop};
   std::vector<bool> is_given;
   for (std::size_t i = 0; i < frame_set.slots.size(); ++i) {
     auto picture = clock.run("demosaic", [&] { return capture::picture_of(frame_set.slots[i]); });

@@ -189,7 +189,7 @@ std::string what_is_there_instead(const BoardPictures& pictures, std::span<const
         board.type == BoardType::charuco ? other_markers(some, board.dictionary) : other_chessboard(some, board);
     if (!text.empty()) return text;
   }
-  return "neither markers nor a chessboard are to be seen";
+  return {};
 }
 
 }  // namespace rotunda::capture

@@ -122,14 +122,15 @@ class Sheet {
       cairo_rel_line_to(cr_, down ? direction * tick : 0.0, down ? 0.0 : direction * tick);
     }
     cairo_stroke(cr_);
-    for (int mm = 0; mm <= millimetres; mm += numbered) number(x, y, mm, mm + numbered > millimetres, down);
+    for (int mm = 0; mm <= millimetres; mm += numbered) number(x, y, mm, down);
   }
 
-  void number(double x, double y, int mm, bool last, bool down) {
-    const auto text = fmt::format("{}{}", mm, last ? " mm" : "");
+  // The unit stands with the first number, which begins at its tick; the others have their middle there.
+  void number(double x, double y, int mm, bool down) {
+    const auto text = fmt::format("{}{}", mm, mm == 0 ? " mm" : "");
     const double width = text_width(text), along = mm * 1e-3;
-    if (!down) return write(text, x + along - (last ? width : width / 2), y + 0.0055 + kTextHeight, 0.0);
-    write(text, x - 0.0055, y + along + (last ? 0.0 : width / 2), -M_PI / 2);
+    if (!down) return write(text, x + along - (mm == 0 ? 0.0 : width / 2), y + 0.0055 + kTextHeight, 0.0);
+    write(text, x - 0.0055, y + along + (mm == 0 ? width : width / 2), -M_PI / 2);
   }
 
   void caption() {

@@ -272,6 +272,18 @@ void refuse_too_little(std::span<const CameraModel> sizes, std::span<const Sight
   if (sightings.empty()) throw InvalidInput("no board was found in any picture");
 }
 
+// Few markers of a board that is not there are found by chance.
+void refuse_another_board(const BoardSearch& search, const BoardPictures& pictures, const CalibrateOptions& options) {
+  std::vector<std::size_t> views(pictures.cameras.size(), 0);
+  for (const auto& sighting : search.sightings) ++views[sighting.camera];
+  if (!views.empty() && *std::max_element(views.begin(), views.end()) >= kFewestViews) return;
+  const auto instead = what_is_there_instead(pictures, options.boards);
+  if (!search.sightings.empty() && instead.empty()) return;
+  throw InvalidInput(fmt::format("the board was found in {} of {} pictures: {}", search.sightings.size(),
+                                 pictures.cameras.size() * pictures.moments.size(),
+                                 instead.empty() ? "neither markers nor a chessboard are to be seen" : instead));
+}
+
 }  // namespace
 
 CalibrationResult calibrate_sightings(std::span<const CameraModel> sizes, std::vector<std::string> moments,
@@ -291,10 +303,7 @@ CalibrationResult calibrate(const BoardPictures& pictures, const CalibrateOption
                             const std::stop_token& stop) {
   const BoardDetector detector(options.boards);
   auto search = search_boards(pictures, detector, options, stop);
-  if (search.sightings.empty())
-    throw InvalidInput(fmt::format("no board was found in any of {} pictures: {}",
-                                   pictures.cameras.size() * pictures.moments.size(),
-                                   what_is_there_instead(pictures, options.boards)));
+  refuse_another_board(search, pictures, options);
   refuse_too_little(search.sizes, search.sightings, pictures.moments.size());
   Calibration calibration(pictures.moments, options);
   for (auto& trouble : search.troubles) calibration.add_problem(std::move(trouble));

@@ -57,7 +57,8 @@ cv::Mat picture_of_view(const CalibratedView& view, const Canvas& canvas) {
   if (view.picture.empty()) return {};
   try {
     cv::Mat small;
-    cv::resize(read_rgb(view.picture), small, {kSharper * canvas.width, kSharper * canvas.height}, 0, 0, cv::INTER_AREA);
+    cv::resize(read_rgb(view.picture), small, {kSharper * canvas.width, kSharper * canvas.height}, 0, 0,
+               cv::INTER_AREA);
     return small;
   } catch (const CorruptData&) {
     return {};
@@ -101,7 +102,8 @@ std::string draw_view(const CalibrationResult& result, const CalibratedView& vie
   if (picture.empty())
     svg += fmt::format("<rect width=\"{}\" height=\"{}\" fill=\"#e3e6ea\"/>", canvas.width, canvas.height);
   else
-    svg += fmt::format("<image width=\"{}\" height=\"{}\" href=\"{}\"/>", canvas.width, canvas.height, data_uri(picture));
+    svg +=
+        fmt::format("<image width=\"{}\" height=\"{}\" href=\"{}\"/>", canvas.width, canvas.height, data_uri(picture));
   for (const auto& corner : view.corners) {
     const Eigen::Vector2d at = canvas.at(corner.pixel);
     svg += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"2.2\" fill=\"none\" stroke=\"{}\"/>", at.x(), at.y(),

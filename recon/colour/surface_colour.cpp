@@ -8,8 +8,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "capture/srgb.h"
 #include "capture/matte/despill.h"
+#include "capture/srgb.h"
 #include "config/errors.h"
 #include "recon/colour/rim.h"
 #include "recon/colour/visibility.h"
@@ -53,13 +53,10 @@ PreparedView prepare(const ColourView& view, const TriangleMesh& occluder, const
   prepared.centre = view.camera.centre();
   prepared.focal_px = std::sqrt(std::abs(view.camera.K(0, 0) * view.camera.K(1, 1)));
   prepared.depth_in_matte = depth_in(view.matte);
-  prepared.rgb = rim_from_inside(
-      options.remove_spill ? without_spill(view.rgb, prepared.depth_in_matte, options.backdrop) : view.rgb,
-      prepared.depth_in_matte);
-  if (view.colour != Eigen::Matrix3d::Identity()) prepared.rgb = capture::with_matrix(prepared.rgb, view.colour);
   prepared.rgb =
       rim_from_inside(options.remove_spill ? capture::despilled(view.rgb, view.matte, options.backdrop) : view.rgb,
                       prepared.depth_in_matte);
+  if (view.colour != Eigen::Matrix3d::Identity()) prepared.rgb = capture::with_matrix(prepared.rgb, view.colour);
   prepared.surface = render_depth(occluder, view.camera, options.depth_downscale);
   return prepared;
 }

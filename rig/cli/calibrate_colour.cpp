@@ -6,7 +6,6 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "capture/calibration/colour_card.h"
 #include "capture/calibration/colour_match.h"
 #include "capture/calibration_file.h"
 #include "capture/take/take_reader.h"
@@ -71,7 +70,6 @@ void tell(const std::vector<std::string>& names, const capture::ColourMatch& mat
     for (std::size_t i = 0; i < names.size(); ++i) cameras.push_back(to_json(names[i], match.cameras[i]));
     fmt::print("{}\n", json{{"before", match.before},
                             {"after", match.after},
-                            {"card_error", match.known_error ? json(*match.known_error) : json(nullptr)},
                             {"cameras", cameras},
                             {"advice", match.advice},
                             {"file", out.string()}}
@@ -89,7 +87,6 @@ void tell(const std::vector<std::string>& names, const capture::ColourMatch& mat
   }
   fmt::print("cameras differ by {:.2f} levels of 255 before, {:.2f} after (RMS, a tenth left out): {}\n", match.before,
              match.after, out.string());
-  if (match.known_error) fmt::print("the card's own colours are met within {:.2f} levels\n", *match.known_error);
   for (const auto& sentence : match.advice) fmt::print(stderr, "warning: {}\n", sentence);
   if (match.after > kPoorAgreement)
     fmt::print(stderr, "warning: {:.1f} levels are left: is the calibration right, and is the surface not glossy?\n",
@@ -104,31 +101,14 @@ capture::ColourMatch match_on_take(const ColourRequest& request, const fs::path&
   return capture::match_colours(names, samples_of_take(take, studio, names));
 }
 
-capture::ColourMatch match_on_card(const ColourRequest& request, const fs::path& calibration,
-                                   std::vector<std::string>& names) {
-  for (const auto& camera : capture::read_calibration(calibration)) names.push_back(camera.name);
-  const auto card = capture::card_samples(request.card, names);
-  for (const auto& problem : card.problems) fmt::print(stderr, "warning: {}\n", problem);
-  if (card.samples.empty())
-    throw InvalidInput(
-        fmt::format("no ColorChecker was found in the {} pictures of {}: hold it larger, and without glare",
-                    card.pictures, request.card.string()));
-  auto match = capture::match_colours(names, card.samples, card.known);
-  for (std::size_t i = 0; i < names.size(); ++i)
-    if (card.cards[i] == 0) match.advice.push_back(names[i] + ": the card was found in none of its pictures");
-  return match;
-}
-
 }  // namespace
 
 int calibrate_colour(const ColourRequest& request, bool as_json) {
   if (!request.force && fs::exists(request.out))
     throw InvalidInput(request.out.string() + " exists already: give another name, or --force to replace it");
-  if (request.take.empty() && request.calibration.empty())
-    throw InvalidInput("a card's pictures go with a calibration: name it with --calibration");
   const auto file = request.calibration.empty() ? capture::calibration_file(request.take) : request.calibration;
   std::vector<std::string> names;
-  const auto match = request.card.empty() ? match_on_take(request, file, names) : match_on_card(request, file, names);
+  const auto match = match_on_take(request, file, names);
   auto calibration = capture::read_calibration_file(file);
   for (std::size_t i = 0; i < names.size(); ++i) calibration.colour[names[i]] = match.cameras[i].matrix;
   capture::write_calibration(request.out, calibration);

@@ -7,8 +7,7 @@
 namespace rotunda::rig {
 
 struct ColourRequest {
-  std::filesystem::path take;         // a reconstructed take whose surface is the card; or
-  std::filesystem::path card;         // pictures of a ColorChecker, DIR/<camera>/*.png
+  std::filesystem::path take;         // a reconstructed take whose surface is the card
   std::filesystem::path calibration;  // to be completed; empty: the take's
   std::filesystem::path out;
   bool force = false;

@@ -28,25 +28,13 @@ void add_take_edit_commands(CLI::App& take, CommandLine& line);     // take mark
 void add_take_check_commands(CLI::App& take, CommandLine& line);    // take verify, recover
 void add_take_archive_commands(CLI::App& take, CommandLine& line);  // take archive, restore
 void add_plate_command(CommandLine& line);                          // plate
+void add_board_command(CommandLine& line);                          // board
+void add_calibrate_command(CommandLine& line);                      // calibrate
+void add_screen_command(CommandLine& line);                         // screen
 void add_recon_commands(CommandLine& line);                         // recon, map
 void add_render_commands(CommandLine& line);                        // render, play
 void add_doctor_command(CommandLine& line);                         // doctor
 void add_tui_command(CommandLine& line);                            // tui
-void add_rig_commands(CommandLine& line);                         // rig, cameras
-void add_status_command(CLI::App& parent, CommandLine& line);     // status
-void add_live_command(CLI::App& rig, CommandLine& line);          // rig live
-void add_identify_command(CLI::App& cameras, CommandLine& line);  // cameras identify
-void add_take_commands(CommandLine& line);                        // take ...
-void add_take_edit_commands(CLI::App& take, CommandLine& line);   // take mark, note, circle, rename, trim
-void add_take_check_commands(CLI::App& take, CommandLine& line);  // take verify, recover
-void add_plate_command(CommandLine& line);                        // plate
-void add_board_command(CommandLine& line);                        // board
-void add_calibrate_command(CommandLine& line);                    // calibrate
-void add_screen_command(CommandLine& line);                       // screen
-void add_recon_commands(CommandLine& line);                       // recon, map
-void add_render_commands(CommandLine& line);                      // render, play
-void add_doctor_command(CommandLine& line);                       // doctor
-void add_tui_command(CommandLine& line);                          // tui
 
 // Adds a command that works on one take given by name or path.
 CLI::App* add_on_take(CLI::App& take, CommandLine& line, const std::string& command, const std::string& what,

@@ -10,8 +10,9 @@
 namespace rotunda::capture {
 namespace {
 
-const Board kCharuco{};
-const Board kChessboard{.type = BoardType::chessboard, .columns = 10, .rows = 7, .square = 0.1, .marker = 0.0};
+const Board kCharuco{.name = "charuco"};
+const Board kChessboard{
+    .name = "chessboard", .type = BoardType::chessboard, .columns = 10, .rows = 7, .square = 0.1, .marker = 0.0};
 
 // A wide lens: at the picture's corner points lie a sixth nearer to the middle than without distortion.
 CameraModel bending_camera() {
