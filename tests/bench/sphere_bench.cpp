@@ -1,9 +1,8 @@
 // Prints, for each PLY file given: what the sphere map and the geometry image cost and how good they are.
-#include <OpenMesh/Core/IO/MeshIO.hh>
-#include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
 #include <cstdio>
 #include <ctime>
 
+#include "recon/mesh/mesh_file.h"
 #include "recon/sphere/progressive_mesh.h"
 #include "recon/sphere/resample.h"
 #include "recon/sphere/sphere_map.h"
@@ -17,28 +16,11 @@ double cpu_seconds() {
   return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
 }
 
-TriangleMesh read(const char* file) {
-  OpenMesh::TriMesh_ArrayKernelT<> source;
-  TriangleMesh mesh;
-  if (!OpenMesh::IO::read_mesh(source, file)) return mesh;
-  for (const auto v : source.vertices()) {
-    const auto& p = source.point(v);
-    mesh.positions.emplace_back(p[0], p[1], p[2]);
-  }
-  for (const auto f : source.faces()) {
-    std::array<std::uint32_t, 3> triangle{};
-    std::size_t i = 0;
-    for (auto it = source.cfv_iter(f); it.is_valid(); ++it) triangle[i++] = static_cast<std::uint32_t>(it->idx());
-    mesh.triangles.push_back(triangle);
-  }
-  return mesh;
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
   for (int i = 1; i < argc; ++i) {
-    const auto mesh = read(argv[i]);
+    const auto mesh = read_ply(argv[i]);
     const double start = cpu_seconds();
     const auto progressive = simplify_to_tetrahedron(mesh);
     const double simplified = cpu_seconds();
