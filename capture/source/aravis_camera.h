@@ -1,7 +1,6 @@
 #pragma once
-// Opening a GenICam camera and writing its settings, each read back: what the camera does not take is a DeviceError
+// Writing the settings of a GenICam camera, each read back: what the camera does not take is a DeviceError
 // that names the camera, its answer and what to do; CameraGone if there is no answer.
-#include <functional>
 #include <string>
 
 #include "capture/source/aravis_handle.h"
@@ -14,12 +13,6 @@ namespace rotunda::capture {
 class CameraGone : public DeviceError {
   using DeviceError::DeviceError;
 };
-
-// Calls `each` with the place of every camera that answers now, for arv_get_device_...(); takes a second.
-void with_device_list(const std::function<void(unsigned)>& each);
-
-// Throws DeviceError if nobody answers, or if another program controls the camera.
-GRef<ArvCamera> open_camera(const SourceSettings& settings);
 
 // The user set, then region, pixel format, exposure, gain, white balance, trigger, features by name. The answer's
 // warnings are what the camera has otherwise than asked.

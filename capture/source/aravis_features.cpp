@@ -32,10 +32,6 @@ bool truth_in(const CameraId& camera, const std::string& name, const std::string
   throw DeviceError(camera, fmt::format("{} takes true or false, not \"{}\"", name, text));
 }
 
-std::string or_empty(const char* text) {
-  return text ? text : "";
-}
-
 }  // namespace
 
 bool AravisFeatures::has(const std::string& name) {

@@ -19,6 +19,11 @@ struct GFree {
   void operator()(gconstpointer memory) const noexcept { g_free(const_cast<gpointer>(memory)); }
 };
 
+// What Aravis says, which may be nothing.
+inline std::string or_empty(const char* text) {
+  return text ? text : "";
+}
+
 // The GError** of one call; throws afterwards if it was set.
 class ErrorCatcher {
  public:

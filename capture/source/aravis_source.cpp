@@ -7,26 +7,23 @@
 #include <algorithm>
 #include <atomic>
 #include <mutex>
-#include <system_error>
-#include <thread>
 #include <utility>
 
 #include "capture/source/aravis_camera.h"
 #include "capture/source/aravis_features.h"
+#include "capture/source/aravis_opening.h"
+#include "capture/source/aravis_stream.h"
 #include "capture/source/buffer_pool.h"
 #include "capture/source/exposure_counter.h"
 #include "capture/source/gvcp_memory.h"
 #include "capture/source/resend_budget.h"
 #include "capture/source/stream_socket.h"
-#include "capture/source/user_name.h"
 
 namespace rotunda::capture {
 
 namespace {
 
 constexpr int least_packet = 576;           // bytes, that GigE Vision asks of every link
-constexpr std::size_t ignored_frames = 3;   // in packets, with no frame coming out: something is wrong
-constexpr double requests_a_packet = 1.0;   // of a frame, at most: bursts may take half of it
 constexpr int stream_thread_priority = 10;  // of SCHED_RR: late packets are lost packets
 
 class AravisSource;
@@ -67,15 +64,12 @@ class AravisSource final : public Source {
   void become(SourceState next);
   void mind_loss(const std::function<void()>& call);
   void hear_stream(ArvStreamCallbackType type);
-  void let_go_of_camera(GRef<ArvStream> stream) noexcept;
   void require_an_answer();
   void keep_resend_budget(SourceHealth& health);
   void set_sinks(FrameSink frames, IncompleteSink incomplete);
-  void tune(ArvStream* stream) const;
   void cure_socket_buffer(ArvStream* stream);
   void make_stream();
   GRef<ArvStream> take_stream() noexcept;
-  bool hears_no_frames();
   SourceHealth ask_health();
   void hand_on(ArvBuffer* buffer);
   std::optional<Timestamp> exposure_start_of(ArvBuffer* buffer);
@@ -100,7 +94,7 @@ class AravisSource final : public Source {
 
   ExposureCounter counter_;        // touched by the stream thread only
   std::size_t frame_packets_ = 1;  // about
-  std::uint64_t finished_seen_ = 0, ignored_seen_ = 0;
+  StreamDeafness deafness_;
 
   GRef<ArvCamera> camera_;
   ArvPixelFormat pixel_format_ = 0;  // that frames must have, since arm()
@@ -179,7 +173,7 @@ void AravisSource::make_stream() {
   tie_ = std::make_shared<StreamTie>();
   tie_->source = this;
   GRef<ArvStream> stream = create_stream(camera_.get(), settings_, on_stream, tie_.get());
-  tune(stream.get());
+  tune_stream(stream.get(), settings_.frame_rate_hz);
   if (ARV_IS_GV_STREAM(stream.get())) {
     cure_socket_buffer(stream.get());
     accept_only_from(arv_gv_stream_get_port(ARV_GV_STREAM(stream.get())), description_.address);
@@ -193,7 +187,7 @@ void AravisSource::make_stream() {
   }
   pool_->top_up();
   frame_packets_ = payload / static_cast<std::size_t>(std::max(channel_.packet_size, least_packet)) + 1;
-  finished_seen_ = ignored_seen_ = 0;
+  deafness_ = {};
 }
 
 // Nothing of it is heard any more. Its end joins its thread, and asks the camera to stop.
@@ -209,30 +203,17 @@ GRef<ArvStream> AravisSource::take_stream() noexcept {
   return std::move(stream_);
 }
 
-// Aravis 0.8.26 takes packets for late ones whose block id is up to 99 below the last: one leader with an id a little
-// ahead, or a camera that counts from 1 again, and it ignores whole frames until they catch up. Late packets of resends
-// are ignored too, but never frames' worth without a frame; those that find no buffer count as both.
-bool AravisSource::hears_no_frames() {
-  if (!ARV_IS_GV_STREAM(stream_.get())) return false;
-  const auto told = [this](const char* name) { return arv_stream_get_info_uint64_by_name(stream_.get(), name); };
-  const std::uint64_t underruns = told("n_underruns"), ignored = told("n_ignored_packets") - underruns;
-  const std::uint64_t finished = frames_ + incomplete_;
-  if (finished != finished_seen_) ignored_seen_ = ignored;
-  finished_seen_ = finished;
-  return ignored - ignored_seen_ >= ignored_frames * frame_packets_;
-}
-
 std::optional<std::string> AravisSource::heal() {
-  if (state_ != SourceState::streaming || !hears_no_frames()) return std::nullopt;
+  if (state_ != SourceState::streaming || !deafness_.look(stream_.get(), frames_ + incomplete_, frame_packets_))
+    return std::nullopt;
   stop_acquisition(camera_.get(), settings_);
   take_stream().reset();
   counter_ = {};
   make_stream();
   start_acquisition(camera_.get(), settings_);
   return fmt::format(
-      "{}: {} sent packets of which no frame came, as when its block ids go back; its stream was made anew. "
-      "If "
-      "it happens again, look for a bad cable or switch",
+      "{}: {} sent packets of which no frame came, as when its block ids go back; its stream was made anew. If it "
+      "happens again, look for a bad cable or switch",
       settings_.camera, settings_.device);
 }
 
@@ -258,14 +239,8 @@ void AravisSource::keep_resend_budget(SourceHealth& health) {
   const bool on = resends_->look((now.frames + now.incomplete) * frame_packets_, now.resend_requests);
   g_object_set(stream_.get(), "packet-resend", on ? resend_mode_ : ARV_GV_STREAM_PACKET_RESEND_NEVER, nullptr);
   health.asked_again = resends_->share();
-  if (health.asked_again < kWorthTelling) return;
-  health.problem =
-      fmt::format("{:.1f} % of its packets were lost on the way and asked for again", 100 * resends_->share());
-  if (!on)
-    health.problem +=
-        fmt::format(", more than its budget of {:g} % (resend_budget_percent): that is paused, and frames are lost",
-                    100 * settings_.resend_budget);
-  health.problem += "; see to cable, switch, MTU and what else its link carries";
+  if (health.asked_again >= kWorthTelling)
+    health.problem = resends_told(health.asked_again, on, settings_.resend_budget);
 }
 
 // Aravis takes 2.5 s to find out, and as long again while its heartbeat does: a camera that sends nothing is asked
@@ -298,21 +273,6 @@ SourceHealth AravisSource::look() {
 void AravisSource::pace(const StreamPacing& pacing) {
   require(SourceState::armed, "paced");
   mind_loss([&] { configure_pacing(camera_.get(), settings_, pacing); });
-}
-
-// Resend of lost packets is on where the camera can. A frame still short of packets must be given up before the next
-// one is due, or it holds up those behind it.
-void AravisSource::tune(ArvStream* stream) const {
-  arv_stream_set_emit_signals(stream, FALSE);
-  if (!ARV_IS_GV_STREAM(stream)) return;
-  // Size 0: Aravis shall not touch what cure_socket_buffer() sets.
-  g_object_set(stream, "socket-buffer", ARV_GV_STREAM_SOCKET_BUFFER_FIXED, "socket-buffer-size", 0, nullptr);
-  g_object_set(stream, "packet-request-ratio", requests_a_packet, nullptr);
-  if (!settings_.frame_rate_hz) return;
-  const double period_us = 1e6 / *settings_.frame_rate_hz;
-  const auto retention_us = static_cast<guint>(std::min(0.875 * period_us, 1e6));
-  const auto retry_us = static_cast<guint>(std::clamp(0.125 * period_us, 1e3, 20e3));
-  g_object_set(stream, "frame-retention", retention_us, "packet-timeout", retry_us, nullptr);
 }
 
 void AravisSource::cure_socket_buffer(ArvStream* stream) {
@@ -363,23 +323,11 @@ void AravisSource::close() noexcept {
   resends_.reset();
   clock_.reset();
   features_.reset();
-  if (camera_) let_go_of_camera(std::move(stream));
+  if (camera_) {
+    g_signal_handlers_disconnect_by_data(arv_camera_get_device(camera_.get()), this);
+    close_camera(std::move(camera_), std::move(stream), tie_, state_ == SourceState::lost);
+  }
   state_ = SourceState::closed;
-}
-
-// Aravis says goodbye to a camera, and waits seconds for the answer of one that has gone: nobody else shall.
-void AravisSource::let_go_of_camera(GRef<ArvStream> stream) noexcept {
-  g_signal_handlers_disconnect_by_data(arv_camera_get_device(camera_.get()), this);
-  if (state_ == SourceState::lost) try {
-      std::thread([gone = std::move(camera_), stream = std::move(stream), tie = tie_]() mutable {
-        pthread_setname_np(pthread_self(), "farewell");
-        stream.reset();
-        gone.reset();
-      }).detach();
-    } catch (const std::system_error&) {  // no thread to be had: wait here
-    }
-  stream.reset();
-  camera_.reset();
 }
 
 void AravisSource::on_stream(void* data, ArvStreamCallbackType type, ArvBuffer*) noexcept {
@@ -449,11 +397,7 @@ SourceStats AravisSource::stats() const {
   stats.packet_size = channel_.packet_size;
   stats.packet_socket = channel_.packet_socket;
   if (!stream_) return stats;
-  const auto told = [this](const char* name) { return arv_stream_get_info_uint64_by_name(stream_.get(), name); };
-  stats.underruns = told("n_underruns");
-  if (!ARV_IS_GV_STREAM(stream_.get())) return stats;
-  stats.resend_requests = told("n_resend_requests");
-  stats.missing_packets = told("n_missing_packets");
+  read_counters(stream_.get(), stats);
   return stats;
 }
 
@@ -466,19 +410,6 @@ SourceDescription AravisSource::description() const {
 
 std::unique_ptr<Source> make_aravis_source(const SourceSettings& settings) {
   return std::make_unique<AravisSource>(settings);
-}
-
-std::vector<DiscoveredCamera> discover_aravis_cameras() {
-  const auto text = [](const char* told) { return std::string(told ? told : ""); };
-  std::vector<DiscoveredCamera> cameras;
-  with_device_list([&](unsigned i) {
-    const bool gige = text(arv_get_device_protocol(i)) == "GigEVision";
-    const std::string address = text(arv_get_device_address(i));
-    cameras.push_back({"aravis", address, text(arv_get_device_serial_nbr(i)), gige ? read_user_name(address) : "",
-                       text(arv_get_device_vendor(i)), text(arv_get_device_model(i)),
-                       text(arv_get_device_physical_id(i)), ""});
-  });
-  return cameras;
 }
 
 }  // namespace rotunda::capture

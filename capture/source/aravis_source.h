@@ -6,6 +6,5 @@
 namespace rotunda::capture {
 
 std::unique_ptr<Source> make_aravis_source(const SourceSettings& settings);
-std::vector<DiscoveredCamera> discover_aravis_cameras();
 
 }  // namespace rotunda::capture

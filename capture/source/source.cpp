@@ -6,6 +6,7 @@
 #include <array>
 #include <tuple>
 
+#include "capture/source/aravis_opening.h"
 #include "capture/source/aravis_source.h"
 #include "capture/source/replay_source.h"
 #include "capture/source/v4l2_source.h"
