@@ -228,54 +228,9 @@ bool is_colourful(const std::vector<Group>& places, std::size_t camera) {
   return count >= kFewestSamples && solver.eigenvalues()[0] > 1e-3 * solver.eigenvalues()[2];
 }
 
-// The one matrix that takes the matched places to their known colours, whose brightness it keeps: gains for greys.
-Eigen::Matrix3d towards_known(const std::map<std::size_t, Eigen::Vector3d>& found, std::span<const KnownColour> known) {
-  Eigen::Matrix3d from = Eigen::Matrix3d::Zero(), product = Eigen::Matrix3d::Zero();
-  double seen = 0.0, wanted = 0.0;
-  for (const auto& colour : known)
-    if (const auto at = found.find(colour.place); at != found.end()) {
-      const double scale = 1.0 / std::pow(colour.linear.mean() + kDarkness, 2);
-      from += scale * at->second * at->second.transpose();
-      product += scale * colour.linear * at->second.transpose();
-      seen += at->second.mean();
-      wanted += colour.linear.mean();
-    }
-  if (seen <= 0.0 || wanted <= 0.0) return Eigen::Matrix3d::Identity();
-  Eigen::Matrix3d gains = Eigen::Matrix3d::Zero();
-  for (int c = 0; c < 3; ++c) gains(c, c) = product(c, c) / std::max(1e-12, from(c, c));
-  const double pull = 1e-4 * from.trace();
-  const Eigen::Matrix3d whole = (product + pull * gains) * (from + pull * Eigen::Matrix3d::Identity()).inverse();
-  return whole * (seen / wanted);
-}
-
-std::map<std::size_t, Eigen::Vector3d> matched_places(const std::vector<Group>& places,
-                                                      const std::vector<std::vector<double>>& weights,
-                                                      const std::vector<Eigen::Matrix3d>& matrices) {
-  std::map<std::size_t, Eigen::Vector3d> found;
-  for (std::size_t p = 0; p < places.size(); ++p) found[places[p][0]->place] = mean_of(places[p], weights[p], matrices);
-  return found;
-}
-
-// After the match, at the brightness that fits best.
-double known_error(const std::map<std::size_t, Eigen::Vector3d>& found, std::span<const KnownColour> known,
-                   const Eigen::Matrix3d& last) {
-  double product = 0.0, square = 0.0;
-  for (const auto& colour : known)
-    if (const auto at = found.find(colour.place); at != found.end()) {
-      product += (last * at->second).dot(colour.linear);
-      square += (last * at->second).squaredNorm();
-    }
-  std::vector<double> squares;
-  for (const auto& colour : known)
-    if (const auto at = found.find(colour.place); at != found.end())
-      squares.push_back((levels(product / square * (last * at->second)) - levels(colour.linear)).squaredNorm() / 3.0);
-  return trimmed_rms(std::move(squares));
-}
-
 }  // namespace
 
-ColourMatch match_colours(std::span<const std::string> names, std::span<const ColourSample> samples,
-                          std::span<const KnownColour> known) {
+ColourMatch match_colours(std::span<const std::string> names, std::span<const ColourSample> samples) {
   const auto places = shared_places(samples, names.size());
   if (places.empty()) throw InvalidInput("no place was seen by two cameras: their colours cannot be compared");
   const auto tied = tied_cameras(places, names.size());
@@ -303,16 +258,8 @@ ColourMatch match_colours(std::span<const std::string> names, std::span<const Co
     scale = reweigh(places, matrices, weights);
   }
 
-  Eigen::Matrix3d last = Eigen::Matrix3d::Identity();
   ColourMatch match;
-  if (!known.empty()) {
-    const auto found = matched_places(places, weights, matrices);
-    last = towards_known(found, known);
-    match.known_error = known_error(found, known, last);
-  }
-  const auto before = squared_levels(places, identities);
-  for (auto& matrix : matrices) matrix = Eigen::Matrix3d(last * matrix);
-  const auto after = squared_levels(places, matrices);
+  const auto before = squared_levels(places, identities), after = squared_levels(places, matrices);
   for (std::size_t i = 0; i < names.size(); ++i) {
     match.cameras.push_back({.matrix = tied[i] ? matrices[i] : Eigen::Matrix3d(Eigen::Matrix3d::Identity()),
                              .samples = before[i].size(),
@@ -321,8 +268,7 @@ ColourMatch match_colours(std::span<const std::string> names, std::span<const Co
                              .gains_only = !is_colourful(places, i)});
     if (!tied[i])
       match.advice.push_back(
-          names[i] +
-          " shares no place with the others: its colours stay as they are; hold the card where it sees it too");
+          names[i] + " shares no place with the others: its colours stay as they are; it must see what they see");
   }
   match.before = over_all(before);
   match.after = over_all(after);

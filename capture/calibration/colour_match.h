@@ -1,7 +1,7 @@
 #pragma once
 // Colours that agree between cameras: from colours of the same places seen by several cameras, a 3x3 matrix for each
-// that takes its linear light to the rig's. Places are whatever several cameras saw at one moment: surface points, the
-// white of a board, patches of a card. Light that falls on a place is the same for all, so only cameras differ.
+// that takes its linear light to the rig's. Places are whatever several cameras saw at one moment. Light that falls on
+// a place is the same for all, so only cameras differ.
 //
 // Least squares over all cameras at once: sum over places p and cameras i of |C_i x_ip - mean_j C_j x_jp|^2, relative
 // to the place's brightness, robust; the mean of all C_i is kept at the identity (the rig's colours are the mean
@@ -9,7 +9,6 @@
 // leave it open: grey places alone give gains, colourful ones whole matrices.
 #include <Eigen/Core>
 #include <cstddef>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -19,12 +18,6 @@ namespace rotunda::capture {
 struct ColourSample {
   std::size_t camera = 0, place = 0;
   Eigen::Vector3d linear = Eigen::Vector3d::Zero();  // 0 to 1; neither clipped nor lost in noise
-};
-
-// Some places' true colours, up to one brightness for all: a card's patches.
-struct KnownColour {
-  std::size_t place = 0;
-  Eigen::Vector3d linear = Eigen::Vector3d::Zero();
 };
 
 struct CameraColourMatch {
@@ -38,14 +31,12 @@ struct CameraColourMatch {
 
 struct ColourMatch {
   std::vector<CameraColourMatch> cameras;
-  double before = 0.0, after = 0.0;   // over all cameras
-  std::optional<double> known_error;  // to the known colours after the match, levels; none without any
-  std::vector<std::string> advice;    // cameras that could not be matched, by number in `names`
+  double before = 0.0, after = 0.0;  // over all cameras
+  std::vector<std::string> advice;   // cameras that could not be matched, by number in `names`
 };
 
 // Throws InvalidInput if no place was seen by two cameras, or a sample names a camera that is not there. A camera that
 // shares no place with the others (told in `advice`) keeps the identity.
-ColourMatch match_colours(std::span<const std::string> names, std::span<const ColourSample> samples,
-                          std::span<const KnownColour> known = {});
+ColourMatch match_colours(std::span<const std::string> names, std::span<const ColourSample> samples);
 
 }  // namespace rotunda::capture
