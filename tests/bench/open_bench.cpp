@@ -3,12 +3,9 @@
 // and with the simulated cameras' own. Medians.
 //   open_bench [rounds] [realtime]
 #include <fmt/format.h>
-#include <netinet/in.h>
-#include <poll.h>
 #include <sched.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cstdlib>
 #include <thread>
 
@@ -16,78 +13,26 @@
 #include "simulator/gige/gige_studio.h"
 #include "simulator/gige/zip_archive.h"
 #include "tests/support/aravis_client.h"
+#include "tests/support/bare_device.h"
 #include "tests/support/private_network.h"
 
 namespace rotunda {
 namespace {
 
-using simulator::GvcpOpcode;
-using simulator::GvcpStatus;
-using simulator::load_be;
-using simulator::store_be;
-
 constexpr std::size_t kCameras = 10;
 constexpr int kRealTimePriority = 20;
-constexpr std::uint32_t kDescription = 0x1000;
 
 std::string address_of(std::size_t camera) {
   return fmt::format("127.0.0.{}", camera + 1);
 }
 
-constexpr const char* kOneNode =
-    "<?xml version=\"1.0\"?><RegisterDescription ModelName=\"Bare\" VendorName=\"Bare\" "
-    "xmlns=\"http://www.genicam.org/GenApi/Version_1_1\"><Category Name=\"Root\"/><Port Name=\"Device\"/>"
-    "</RegisterDescription>";
-
-// Ten devices with one memory between them: a description, and whoever asks controls them.
-class BareDevices {
- public:
-  explicit BareDevices(const std::string& description) {
-    const auto zipped = simulator::zip_archive("bare.xml", description);
-    const std::string url = fmt::format("Local:bare.zip;{:x};{:x}", kDescription, zipped.size());
-    std::copy(url.begin(), url.end(), memory_.begin() + 0x200);
-    std::copy(zipped.begin(), zipped.end(), memory_.begin() + kDescription);
-    memory_[0x48] = memory_[0x68] = 'b';  // vendor, model
-    for (std::size_t i = 0; i < kCameras; ++i) {
-      sockets_.emplace_back(simulator::Endpoint{INADDR_LOOPBACK + static_cast<std::uint32_t>(i), simulator::kGvcpPort});
-      ready_.push_back({.fd = sockets_.back().fd(), .events = POLLIN, .revents = 0});
-    }
-    thread_ = std::jthread([this](const std::stop_token& stop) {
-      while (!stop.stop_requested()) serve();
-    });
-  }
-
- private:
-  void serve() {
-    if (poll(ready_.data(), ready_.size(), 50) <= 0) return;
-    std::array<std::uint8_t, 1024> buffer{};
-    for (auto& socket : sockets_)
-      while (const auto received = socket.receive(buffer))
-        if (const auto command = simulator::parse_gvcp(std::span{buffer}.first(received->bytes)))
-          socket.send(answer(*command), received->from);
-  }
-
-  std::vector<std::uint8_t> answer(const simulator::GvcpCommand& command) {
-    const auto address = load_be<std::uint32_t>(command.payload, 0);
-    const auto at = std::span{memory_}.subspan(std::min<std::size_t>(address, memory_.size() - 1024));
-    std::vector<std::uint8_t> payload(4);
-    if (command.opcode == GvcpOpcode::read_memory) {
-      std::copy_n(command.payload.begin(), 4, payload.begin());
-      payload.insert(payload.end(), at.begin(), at.begin() + load_be<std::uint16_t>(command.payload, 6));
-    } else if (command.opcode == GvcpOpcode::read_register) {
-      std::copy_n(at.begin(), 4, payload.begin());
-    } else {
-      std::copy_n(command.payload.begin() + 4, 4, at.begin());
-      store_be<std::uint16_t>(payload, 2, 1);
-    }
-    return simulator::gvcp_acknowledge(command, GvcpStatus::success, payload);
-  }
-
-  std::vector<std::uint8_t> memory_ = std::vector<std::uint8_t>(0x10000);
-  std::vector<simulator::UdpSocket> sockets_;
-  std::vector<pollfd> ready_;
-  std::jthread thread_;
-};
+// Ten that have this description, zipped as cameras have it, and do nothing else.
+tests::BareDeviceOptions ten_with(const std::string& description) {
+  const auto zipped = simulator::zip_archive("bare.xml", description);
+  return {.devices = kCameras,
+          .description = {zipped.begin(), zipped.end()},
+          .url = fmt::format("Local:bare.zip;{:x};{:x}", tests::BareDevice::kDescription, zipped.size())};
+}
 
 double milliseconds_to_open(bool at_once) {
   std::vector<std::unique_ptr<tests::AravisClient>> clients(kCameras);
@@ -128,10 +73,10 @@ void run(int rounds) {
     print_row("simulated studio", rounds);
   }
   {
-    const BareDevices bare(kOneNode);
+    const tests::BareDevice bare(ten_with(tests::bare_description("<Category Name=\"Root\"/>")));
     print_row("bare devices", rounds);
   }
-  const BareDevices described(simulator::genicam_xml({}));
+  const tests::BareDevice described(ten_with(simulator::genicam_xml({})));
   print_row("bare, our description", rounds);
 }
 

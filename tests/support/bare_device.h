@@ -36,8 +36,9 @@ struct BareDeviceOptions {
 
 class BareDevice {
  public:
+  static constexpr std::uint32_t kDescription = 0x1000;  // where it lies
+
   explicit BareDevice(BareDeviceOptions options = {}) : options_(std::move(options)) {
-    constexpr std::uint32_t kDescription = 0x1000;
     memory_.resize(kDescription + options_.description.size() + 0x1000);
     const std::string url = options_.url.empty()
                                 ? fmt::format("Local:bare.xml;{:x};{:x}", kDescription, options_.description.size())
