@@ -100,7 +100,7 @@ TEST_F(CameraLoss, WhenAllDieTheTakeIsClosedWithinThreeSecondsAndTheDaemonEndsQu
 // Of the package aravis-tools: another reading of the standard than ours, with a clock that nobody can ask.
 TEST_F(StudioTest, AravisOwnFakeCameraIsRecordedLikeAnyOther) {
   const std::string program = "/usr/bin/arv-fake-gv-camera-0.8";
-  if (!fs::exists(program)) GTEST_SKIP() << program << " is not there: apt-get install aravis-tools";
+  ASSERT_TRUE(fs::exists(program)) << program << " is not there: apt-get install aravis-tools";
   const ScopedProgram fake({program, "-i", "127.0.0.1", "-s", "GV07"}, folder() / "fake");
   const auto rig = folder() / "fake.yaml";
   std::ofstream(rig) << "trigger: { mode: software, rate_hz: 4 }\n"
