@@ -90,7 +90,7 @@ TEST(ColourMatch, ACameraWithNothingInCommonIsToldAndLeftAlone) {
   EXPECT_THAT(match.advice[0], HasSubstr("cam4"));
   EXPECT_TRUE(match.cameras[4].matrix.isIdentity(0.0));
   EXPECT_LT(match.after, 0.05);
-  EXPECT_THROW(match_colours(kNames, std::vector<ColourSample>{{0, 0, {}}}), InvalidInput);
+  EXPECT_THROW(match_colours(kNames, std::vector<ColourSample>(1)), InvalidInput);
 }
 
 TEST(Srgb, TheCurveGoesThereAndBack) {
