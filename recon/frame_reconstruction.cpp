@@ -8,6 +8,8 @@
 #include "capture/picture.h"
 #include "recon/colour/surface_colour.h"
 #include "recon/hull/matte_support.h"
+#include "recon/sphere/octahedral_lattice.h"
+#include "recon/sphere/relaxed_lattice.h"
 #include "recon/sphere/resample.h"
 #include "recon/video/lattice_normals.h"
 
@@ -102,10 +104,12 @@ void colour_vertices(TriangleMesh& mesh, const FrameViews& views, StageClock& cl
 
 GeometryImage sample_frame(const MappedSurface& surface, const FrameViews& views, int level, int colour_level,
                            StageClock& clock) {
-  auto image = clock.run("resample", [&] { return resample(surface.mesh, surface.map, level); });
+  auto lattice = clock.run("lattice", [&] { return relaxed_lattice(surface.mesh, surface.map, level); });
+  auto image = clock.run("resample", [&] { return resample(surface.mesh, surface.map, lattice); });
   image.colour_level = colour_level;
   clock.run("colour", [&] {
-    const auto points = surface_points(surface.mesh, surface.map, colour_level);
+    for (int finer = level + 1; finer <= colour_level; ++finer) lattice = refine_directions(lattice, finer);
+    const auto points = surface_points(surface.mesh, surface.map, lattice);
     auto colour = surface_colour(points.positions, points.normals, surface.mesh, colour_views(views),
                                  {.backdrop = views.backdrop});
     image.colours = std::move(colour.colours);

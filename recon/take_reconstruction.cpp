@@ -109,7 +109,7 @@ std::string TakeReconstruction::settings_json() const {
     numbers.insert(numbers.end(), camera.distortion.data(), camera.distortion.data() + 5);
     cameras.push_back(numbers);
   }
-  nlohmann::json settings{{"version", 2},
+  nlohmann::json settings{{"version", 3},
                           {"cell_size", options_.cell_size},
                           {"triangles", options_.triangles},
                           {"level", options_.level},

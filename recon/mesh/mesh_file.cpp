@@ -5,6 +5,8 @@
 #include <OpenMesh/Core/IO/MeshIO.hh>
 #include <OpenMesh/Core/IO/importer/ImporterT.hh>
 #include <OpenMesh/Core/Mesh/PolyMesh_ArrayKernelT.hh>
+#include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <fstream>
 #include <system_error>
@@ -41,6 +43,10 @@ class Collector : public OpenMesh::IO::ImporterT<Polygons> {
     for (std::size_t i = 2; i < corners.size(); ++i) mesh_.triangles.push_back({index(0), index(i - 1), index(i)});
     return OpenMesh::FaceHandle(static_cast<int>(faces_ - 1));  // an invalid one would be told on stderr
   }
+
+  // The faces are not OpenMesh's, so it has nowhere to keep an OBJ's texture coordinates.
+  void add_face_texcoords(OpenMesh::FaceHandle, OpenMesh::VertexHandle, const std::vector<OpenMesh::Vec2f>&) override {}
+  void add_face_texcoords(OpenMesh::FaceHandle, OpenMesh::VertexHandle, const std::vector<OpenMesh::Vec3f>&) override {}
 
   bool is_complete() const { return vertices_.n_vertices() == promised_vertices_ && faces_ == promised_faces_; }
 
@@ -101,7 +107,28 @@ Polygons to_polygons(const TriangleMesh& mesh) {
   return polygons;
 }
 
+TriangleMesh read_obj(const std::filesystem::path& file) {
+  errno = 0;
+  std::ifstream stream(file);
+  if (!stream) throw_errno(file, "cannot be opened");
+  Polygons vertices;
+  TriangleMesh mesh;
+  Collector collector(vertices, mesh, file);
+  Options options;
+  if (!OpenMesh::IO::IOManager().read(stream, ".obj", collector, options) || mesh.triangles.empty())
+    throw CorruptData(file, 0, "is no OBJ mesh");
+  copy_vertices(vertices, options, mesh);
+  return mesh;
+}
+
 }  // namespace
+
+TriangleMesh read_mesh(const std::filesystem::path& file) {
+  auto extension = file.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension == ".obj" ? read_obj(file) : read_ply(file);
+}
 
 TriangleMesh read_ply(const std::filesystem::path& file) {
   errno = 0;

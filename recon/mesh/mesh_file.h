@@ -1,8 +1,8 @@
 #pragma once
-// Meshes as PLY files, read and written by OpenMesh. Positions as they are in the file: world frame, metres by custom.
-// Written: binary little-endian, float positions, normals and 8-bit colours (red, green, blue) where the mesh has them.
-// Read: ASCII or binary of either byte order; polygons are cut into fans; what else a file holds is passed over.
-// Positions go through float in OpenMesh 9, also where the file holds doubles.
+// Meshes as PLY files, read and written by OpenMesh, and OBJ files, read. Positions as they are in the file: world
+// frame, metres by custom. Written: binary little-endian, float positions, normals and 8-bit colours (red, green, blue)
+// where the mesh has them. Read: ASCII or binary of either byte order; polygons are cut into fans; what else a file
+// holds is passed over. Positions go through float in OpenMesh 9, also where the file holds doubles.
 #include <filesystem>
 
 #include "recon/mesh/triangle_mesh.h"
@@ -12,6 +12,9 @@ namespace rotunda::recon {
 // Throws std::system_error if the file cannot be opened, CorruptData if it is not a PLY, ends early, or names a vertex
 // it does not have. Memory stays within a small multiple of the file's size, whatever its header claims.
 TriangleMesh read_ply(const std::filesystem::path& file);
+
+// The same of a file named .obj as Wavefront OBJ (positions and faces alone), of any other as PLY.
+TriangleMesh read_mesh(const std::filesystem::path& file);
 
 // Throws std::system_error if the file cannot be written, InvalidInput if the mesh is not a manifold surface (with or
 // without border) or its normals or colours are not one a position.

@@ -26,12 +26,23 @@ Eigen::Vector3d direction_at(double u, double v) {
   return {std::copysign(radius * std::cos(angle), u), std::copysign(radius * std::sin(angle), v), z};
 }
 
+// Cells are cut along the octahedron's edges, which cross the first and third quadrant as x + y = const.
+bool cut_against_raster(int cells, int x, int y) {
+  return (2 * x < cells) == (2 * y < cells);
+}
+
 }  // namespace
 
 void check_lattice_level(int level) {
   if (level < kMinLatticeLevel || level > kMaxLatticeLevel)
     throw InvalidInput("lattice level " + std::to_string(level) + " is not between " +
                        std::to_string(kMinLatticeLevel) + " and " + std::to_string(kMaxLatticeLevel));
+}
+
+int lattice_level(std::size_t samples) {
+  for (int level = kMinLatticeLevel; level <= kMaxLatticeLevel; ++level)
+    if (lattice_size(level) == samples) return level;
+  throw InvalidInput("a lattice has (2^n + 1)^2 samples, not " + std::to_string(samples));
 }
 
 std::uint32_t canonical_sample(int level, int x, int y) {
@@ -70,6 +81,28 @@ std::vector<Eigen::Vector3d> lattice_directions(int level) {
   return directions;
 }
 
+std::vector<Eigen::Vector3d> refine_directions(const std::vector<Eigen::Vector3d>& coarse, int level) {
+  check_lattice_level(level);
+  if (level == kMinLatticeLevel || coarse.size() != lattice_size(level - 1))
+    throw InvalidInput("directions to refine to level " + std::to_string(level) + " must be of the level below");
+  const int side = lattice_side(level), coarse_cells = 1 << (level - 1);
+  const auto at = [&](int x, int y) -> const Eigen::Vector3d& { return coarse[raster(level - 1, x, y)]; };
+  std::vector<Eigen::Vector3d> fine(lattice_size(level));
+  for (int y = 0; y < side; ++y)
+    for (int x = 0; x < side; ++x) {
+      const auto from = canonical_sample(level, x, y), sample = raster(level, x, y);
+      const int left = x / 2, right = (x + 1) / 2, top = y / 2, bottom = (y + 1) / 2;
+      const bool against = left != right && top != bottom && cut_against_raster(coarse_cells, left, top);
+      const Eigen::Vector3d sum = against ? Eigen::Vector3d(at(right, top) + at(left, bottom))
+                                          : Eigen::Vector3d(at(left, top) + at(right, bottom));
+      if (from != sample)
+        fine[sample] = fine[from];
+      else
+        fine[sample] = left == right && top == bottom ? at(left, top) : sum.normalized();
+    }
+  return fine;
+}
+
 std::vector<std::array<std::uint32_t, 3>> lattice_triangles(int level) {
   check_lattice_level(level);
   const int cells = 1 << level;
@@ -79,8 +112,7 @@ std::vector<std::array<std::uint32_t, 3>> lattice_triangles(int level) {
     for (int x = 0; x < cells; ++x) {
       const auto a = raster(level, x, y), b = raster(level, x + 1, y), c = raster(level, x + 1, y + 1),
                  d = raster(level, x, y + 1);
-      // Cells are cut along the octahedron's edges, which cross the first and third quadrant as x + y = const.
-      if ((2 * x < cells) == (2 * y < cells)) {
+      if (cut_against_raster(cells, x, y)) {
         triangles.push_back({a, b, d});
         triangles.push_back({b, c, d});
       } else {

@@ -23,6 +23,9 @@ constexpr std::size_t lattice_size(int level) {
   return static_cast<std::size_t>(lattice_side(level)) * static_cast<std::size_t>(lattice_side(level));
 }
 
+// The level of a lattice of so many samples.
+int lattice_level(std::size_t samples);
+
 // Raster index of the one sample that stands for (x, y) and all samples identified with it.
 std::uint32_t canonical_sample(int level, int x, int y);
 
@@ -33,6 +36,10 @@ std::uint32_t continued_sample(int level, int x, int y);
 // Unit directions, raster order, bitwise equal on identified samples. Equal-area in each octant (Rosca, Plonka 2011;
 // Clarberg 2008), so that uniform sampling of the square is uniform on the sphere.
 std::vector<Eigen::Vector3d> lattice_directions(int level);
+
+// Directions of a lattice from those of the next coarser one: its samples, and between them the middles of the edges of
+// its triangles. Triangles that are counter-clockwise stay so. level: of the result.
+std::vector<Eigen::Vector3d> refine_directions(const std::vector<Eigen::Vector3d>& coarse, int level);
 
 // The 2 * 4^level triangles as raster indices, counter-clockwise from outside, border samples not joined: for drawing.
 std::vector<std::array<std::uint32_t, 3>> lattice_triangles(int level);

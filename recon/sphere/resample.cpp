@@ -5,6 +5,7 @@
 
 #include "config/errors.h"
 #include "recon/sphere/octahedral_lattice.h"
+#include "recon/sphere/relaxed_lattice.h"
 
 namespace rotunda::recon {
 namespace {
@@ -34,13 +35,42 @@ std::vector<Eigen::Vector3f> vertex_normals(const TriangleMesh& mesh) {
   return copy.normals;
 }
 
+// How far a triangle leans away from the normals at its corners, times its area.
+double lean(const TriangleMesh& mesh, const std::array<std::uint32_t, 3>& t) {
+  const Eigen::Vector3f cross =
+      (mesh.positions[t[1]] - mesh.positions[t[0]]).cross(mesh.positions[t[2]] - mesh.positions[t[0]]);
+  return static_cast<double>(3.0F * cross.norm() -
+                             cross.dot(mesh.normals[t[0]] + mesh.normals[t[1]] + mesh.normals[t[2]]));
+}
+
+// Cuts the cells of a welded lattice (two triangles each, raster order) along their better diagonals. The two cells at
+// the middle of each side are left: there the square folds, and their other diagonals would join the same two points.
+void turn_diagonals(TriangleMesh& mesh, int level) {
+  const std::size_t cells = std::size_t{1} << level;
+  const auto outermost = [&](std::size_t i) { return i == 0 || i == cells - 1; };
+  const auto middle = [&](std::size_t i) { return i == cells / 2 || i + 1 == cells / 2; };
+  for (std::size_t cell = 0; cell < cells * cells; ++cell) {
+    const auto x = cell % cells, y = cell / cells;
+    if ((outermost(x) && middle(y)) || (outermost(y) && middle(x))) continue;
+    auto &first = mesh.triangles[2 * cell], &second = mesh.triangles[2 * cell + 1];
+    // (a, b, d), (b, c, d) or (a, b, c), (a, c, d): a is first's first, the one not in first is second's own.
+    const bool along_bd = second[0] == first[1];
+    const auto a = first[0], b = first[1], c = along_bd ? second[1] : first[2], d = along_bd ? first[2] : second[2];
+    const double bd = lean(mesh, {a, b, d}) + lean(mesh, {b, c, d}), ac = lean(mesh, {a, b, c}) + lean(mesh, {a, c, d});
+    if (along_bd == (bd <= ac)) continue;
+    first = along_bd ? std::array{a, b, c} : std::array{a, b, d};
+    second = along_bd ? std::array{a, c, d} : std::array{b, c, d};
+  }
+}
+
 }  // namespace
 
-std::vector<SurfaceSample> sample_lattice(const TriangleMesh& mesh, const SphereMap& map, int level) {
+std::vector<SurfaceSample> sample_lattice(const TriangleMesh& mesh, const SphereMap& map,
+                                          const std::vector<Eigen::Vector3d>& directions) {
   if (map.points.size() != mesh.positions.size() || mesh.triangles.empty())
     throw InvalidInput("the sphere map has " + std::to_string(map.points.size()) + " points, the mesh " +
                        std::to_string(mesh.positions.size()) + " vertices: map this very mesh first");
-  const auto directions = lattice_directions(level);
+  const int level = lattice_level(directions.size());
   const SphereLocator locator(mesh, map);
   const auto side = static_cast<std::size_t>(lattice_side(level));
   std::vector<SurfaceSample> samples(directions.size());
@@ -53,10 +83,11 @@ std::vector<SurfaceSample> sample_lattice(const TriangleMesh& mesh, const Sphere
   return samples;
 }
 
-SurfacePoints surface_points(const TriangleMesh& mesh, const SphereMap& map, int level) {
+SurfacePoints surface_points(const TriangleMesh& mesh, const SphereMap& map,
+                             const std::vector<Eigen::Vector3d>& directions) {
   const auto normals = vertex_normals(mesh);
   SurfacePoints points;
-  for (const auto& sample : sample_lattice(mesh, map, level)) {
+  for (const auto& sample : sample_lattice(mesh, map, directions)) {
     const auto& triangle = mesh.triangles[sample.triangle];
     points.positions.push_back(blend(mesh.positions, triangle, sample.barycentric).cast<float>());
     points.normals.push_back(unit(blend(normals, triangle, sample.barycentric), face_normal(mesh, triangle)));
@@ -64,14 +95,19 @@ SurfacePoints surface_points(const TriangleMesh& mesh, const SphereMap& map, int
   return points;
 }
 
-GeometryImage resample(const TriangleMesh& mesh, const SphereMap& map, int level) {
-  auto points = surface_points(mesh, map, level);
+GeometryImage resample(const TriangleMesh& mesh, const SphereMap& map, const std::vector<Eigen::Vector3d>& directions) {
+  auto points = surface_points(mesh, map, directions);
   GeometryImage image;
-  image.level = level;
-  image.colour_level = level;
+  image.level = image.colour_level = lattice_level(directions.size());
   image.positions = std::move(points.positions);
   image.normals = std::move(points.normals);
   return image;
+}
+
+GeometryImage resample(const TriangleMesh& mesh, const SphereMap& map, int level) {
+  if (map.points.size() != mesh.positions.size() || mesh.triangles.empty())
+    throw InvalidInput("the sphere map is not one of this mesh: map it first");
+  return resample(mesh, map, relaxed_lattice(mesh, map, level));
 }
 
 TriangleMesh remesh(const GeometryImage& image) {
@@ -92,6 +128,7 @@ TriangleMesh remesh(const GeometryImage& image) {
     const auto stride = (colour_side - 1) / (side - 1);
     mesh.colours.push_back(image.colours[(sample / side) * stride * colour_side + (sample % side) * stride]);
   }
+  if (has_normals) turn_diagonals(mesh, image.level);
   return mesh;
 }
 

@@ -11,21 +11,27 @@
 
 namespace rotunda::recon {
 
-// The surface points under the lattice's samples, raster order, bitwise equal on identified samples.
-std::vector<SurfaceSample> sample_lattice(const TriangleMesh& mesh, const SphereMap& map, int level);
+// The surface points under directions of a whole lattice, raster order, bitwise equal on identified samples.
+// Throws InvalidInput if they are not those of a lattice, or the map is not one of this mesh; so do those below.
+std::vector<SurfaceSample> sample_lattice(const TriangleMesh& mesh, const SphereMap& map,
+                                          const std::vector<Eigen::Vector3d>& directions);
 
-// Positions and unit normals under the lattice's samples: where a finer colour image is to be coloured.
+// Positions and unit normals under a lattice's samples: where a finer colour image is to be coloured.
 struct SurfacePoints {
   std::vector<Eigen::Vector3f> positions;
   std::vector<Eigen::Vector3f> normals;  // interpolated from the mesh's, or from computed ones if it has none
 };
-SurfacePoints surface_points(const TriangleMesh& mesh, const SphereMap& map, int level);
+SurfacePoints surface_points(const TriangleMesh& mesh, const SphereMap& map,
+                             const std::vector<Eigen::Vector3d>& directions);
 
-// Positions and normals at `level`; colours and coverage are left empty for recon/colour to fill.
-// Throws InvalidInput if level is out of range or the map is not one of this mesh.
+// Positions and normals; colours and coverage are left empty for recon/colour to fill.
+GeometryImage resample(const TriangleMesh& mesh, const SphereMap& map, const std::vector<Eigen::Vector3d>& directions);
+
+// The same on the relaxed lattice (relaxed_lattice.h) of a level.
 GeometryImage resample(const TriangleMesh& mesh, const SphereMap& map, int level = 8);
 
-// The closed surface of the image: border samples joined, chi = 2; normals and colours as the image has them.
+// The closed surface of the image: border samples joined, chi = 2; normals and colours as the image has them. With
+// normals, each cell is cut along the diagonal whose triangles agree better with them.
 TriangleMesh remesh(const GeometryImage& image);
 
 // Gives colours to the texels that no camera saw (coverage 0): multi-resolution blending (Burt, Adelson 1983) over the

@@ -1,12 +1,16 @@
 #include "recon/sphere/sphere_map.h"
 
 #include <fmt/format.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <optional>
 
+#include "recon/sphere/independent_sets.h"
 #include "recon/sphere/progressive_mesh.h"
 #include "recon/sphere/spherical_geometry.h"
 #include "recon/sphere/vertex_star.h"
@@ -51,15 +55,22 @@ class Embedding {
     return static_cast<double>(mesh_.fine_count(vertex)) / static_cast<double>(mesh_.ring(vertex).size());
   }
 
-  void gather(std::uint32_t vertex) {
+  // A vertex with its triangles, gathered from all over; one for each thread.
+  struct Scratch {
+    VertexStar star;
+    std::vector<Eigen::Vector3d> ring;
+    std::vector<double> weights;
+  };
+
+  void gather(std::uint32_t vertex, Scratch& scratch) const {
     const auto& ring = mesh_.ring(vertex);
-    ring_.clear();
-    for (const auto r : ring) ring_.push_back(points_[r]);
-    weights_.clear();
+    scratch.ring.clear();
+    for (const auto r : ring) scratch.ring.push_back(points_[r]);
+    scratch.weights.clear();
     const double own = corner_weight(vertex);
     for (std::size_t j = 0; j < ring.size(); ++j)
-      weights_.push_back(own + corner_weight(ring[j]) + corner_weight(ring[(j + 1) % ring.size()]));
-    star_.set(ring_, weights_);
+      scratch.weights.push_back(own + corner_weight(ring[j]) + corner_weight(ring[(j + 1) % ring.size()]));
+    scratch.star.set(scratch.ring, scratch.weights);
   }
 
   // The ring around the next vertex is relaxed first if its kernel is too thin.
@@ -69,55 +80,73 @@ class Embedding {
     std::optional<Eigen::Vector3d> point;
     for (int attempt = 0; attempt < kAttempts && !point; ++attempt) {
       if (attempt > 0)
-        for (const auto v : ring) move(v);
-      ring_.clear();
-      for (const auto v : ring) ring_.push_back(points_[v]);
-      point = kernel_point(ring_, points_[ring.front()]);
+        for (const auto v : ring) move(v, inserting_);
+      auto& corners = inserting_.ring;
+      corners.clear();
+      for (const auto v : ring) corners.push_back(points_[v]);
+      point = kernel_point(corners, points_[ring.front()]);
     }
     if (!point) return false;
-    gather(mesh_.split());
-    for (int i = 0; i < 2; ++i) point = star_.improved(*point);
+    gather(mesh_.split(), inserting_);
+    for (int i = 0; i < 2; ++i) point = inserting_.star.improved(*point);
     points_.push_back(*point);
     return true;
   }
 
-  // Gauss-Seidel over the active set: a vertex rests until its neighbours have moved enough to matter.
+  // Gauss-Seidel over the active set, the vertices of an independent set side by side.
   void relax(int passes) {
-    constexpr double kPassedOn = 0.3;  // share of a displacement that wakes the neighbours
-    unrest_.assign(points_.size(), 1.0);
+    const auto sets = independent_sets(
+        points_.size(), [&](std::uint32_t v) -> const auto& { return mesh_.ring(v); });
+    travelled_.assign(points_.size(), 0.0);
+    seen_.assign(points_.size(), -1.0);
     for (int pass = 0; pass < passes; ++pass) {
       ++passes_;
       std::size_t moved = 0;
-      for (std::uint32_t v = 0; v < points_.size(); ++v) {
-        if (unrest_[v] < options_.still) continue;
-        ++moved;
-        unrest_[v] = 0.0;
-        const double step = move(v);
-        for (const auto r : mesh_.ring(v)) unrest_[r] += kPassedOn * step;
-      }
+      for (const auto& set : sets) moved += move_active(set);
       if (moved == 0) return;
     }
   }
 
+  std::size_t move_active(const std::vector<std::uint32_t>& set) {
+    constexpr std::size_t kGrain = 128;
+    return tbb::parallel_reduce(
+        tbb::blocked_range<std::size_t>(0, set.size(), kGrain), std::size_t{0},
+        [&](const tbb::blocked_range<std::size_t>& range, std::size_t moved) {
+          Scratch scratch;
+          for (auto i = range.begin(); i < range.end(); ++i) moved += move_if_active(set[i], scratch) ? 1 : 0;
+          return moved;
+        },
+        std::plus<>());
+  }
+
+  // A vertex rests until its neighbours have travelled enough to matter.
+  bool move_if_active(std::uint32_t vertex, Scratch& scratch) {
+    constexpr double kPassedOn = 0.3;  // share of a displacement that wakes the neighbours
+    double around = 0.0;
+    for (const auto r : mesh_.ring(vertex)) around += travelled_[r];
+    if (seen_[vertex] >= 0.0 && kPassedOn * (around - seen_[vertex]) < options_.still) return false;
+    seen_[vertex] = around;
+    travelled_[vertex] += move(vertex, scratch);
+    return true;
+  }
+
   // Displacement as a share of the mean edge.
-  double move(std::uint32_t vertex) {
-    gather(vertex);
+  double move(std::uint32_t vertex, Scratch& scratch) {
+    gather(vertex, scratch);
     const Eigen::Vector3d before = points_[vertex];
-    points_[vertex] = star_.improved(before);
+    points_[vertex] = scratch.star.improved(before);
     double edges = 0.0;
-    for (const auto& r : ring_) edges += (r - before).norm();
-    return (points_[vertex] - before).norm() * static_cast<double>(ring_.size()) / edges;
+    for (const auto& r : scratch.ring) edges += (r - before).norm();
+    return (points_[vertex] - before).norm() * static_cast<double>(scratch.ring.size()) / edges;
   }
 
   RefiningMesh mesh_;
   SphereMapOptions options_;
   std::vector<Eigen::Vector3d> points_;
   std::size_t passes_ = 0;
-  std::vector<double> unrest_;  // displacement of the neighbourhood since the vertex last moved
-
-  VertexStar star_;  // scratch of gather()
-  std::vector<Eigen::Vector3d> ring_;
-  std::vector<double> weights_;
+  std::vector<double> travelled_;  // way of each vertex in this relaxation, in its mean edges
+  std::vector<double> seen_;       // way of the neighbours when the vertex last moved; negative: never
+  Scratch inserting_;
 };
 
 // Empty if the mesh has a sphere map.

@@ -3,7 +3,7 @@
 // to a tetrahedron; its vertices come back one by one, each inside the kernel of its 1-ring, so that no spherical
 // triangle is ever flipped; in between the map is relaxed for an even density of vertices (ALGORITHMS.md step 5,
 // eq. (1)-(2)), each coarse vertex claiming room for all the fine vertices it stands for.
-// Pure, single-threaded, deterministic. Directions are unit vectors, double, in the frame of the mesh.
+// Pure; the same result on any number of threads. Directions are unit vectors, double, in the frame of the mesh.
 #include <Eigen/Core>
 #include <optional>
 #include <string>

@@ -10,10 +10,10 @@
 namespace rotunda::recon {
 namespace {
 
-constexpr double kPower = 2.5;  // a of the energy
+constexpr double kPower = 3.0;  // a of the energy
 
 double to_power(double x) {
-  return x * x * std::sqrt(x);
+  return x * x * x;
 }
 
 }  // namespace

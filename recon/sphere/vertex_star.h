@@ -2,13 +2,13 @@
 // Private to recon/sphere: one vertex of a spherical mesh with its triangles, and the best place for it.
 //
 // The energy of a spherical triangle p q r that stands for the weight w is
-//     e = (w / det(p, q, r))^a (|p-q|^2 + |q-r|^2 + |r-p|^2) ,   a = 2.5 .
+//     e = (w / det(p, q, r))^a (|p-q|^2 + |q-r|^2 + |r-p|^2) ,   a = 3 .
 // With a = 2 it is, up to a factor, the L2 stretch (Sander et al. 2001) of an equilateral triangle of area w mapped
 // onto p q r; a larger a asks for even areas more than for good shapes. Minimising the sum brings every area near its
 // share of w (even density, eq. (1)-(2) with D0 ~ w); e grows without bound before a triangle flips. On the sphere both
 // det and the sum of squares are linear in p.
-// a: on 20k-triangle bodies, area/vertex p95/p5 and 257-lattice mean error go 8-10, 0.09-0.10 mm (a = 2);
-// 5-6, 0.10-0.11 mm (2.5); 3.5-4, 0.11-0.12 mm (3).
+// a: on 20k-triangle bodies the 95th over the 5th percentile of area per vertex is 8-10 (a = 2), 5-6 (2.5), 3.5-4 (3);
+// what a larger a costs in shape, the relaxed lattice gives back (relaxed_lattice.h).
 #include <Eigen/Core>
 #include <span>
 #include <vector>

@@ -1,6 +1,8 @@
 // rotunda recon, map: takes to geometry videos, one mesh to the sphere and back.
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <memory>
@@ -115,8 +117,21 @@ void write_results(const MapArguments& arguments, const recon::TriangleMesh& mes
   if (!arguments.image.empty()) capture::write_png(arguments.image, recon::position_picture(image));
 }
 
+// A map would be made, but a triangle without area tells that the mesh is damaged.
+void refuse_triangles_without_area(const fs::path& file, const recon::TriangleMesh& mesh) {
+  constexpr float kNothing = 1e-7F;  // of the squared longest side: what float positions can tell
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto &a = mesh.positions[mesh.triangles[t][0]], &b = mesh.positions[mesh.triangles[t][1]],
+               &c = mesh.positions[mesh.triangles[t][2]];
+    const float longest = std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
+    if ((b - a).cross(c - a).norm() <= kNothing * longest)
+      throw InvalidInput(fmt::format("{}: triangle {} has no area; remove such triangles first", file.string(), t));
+  }
+}
+
 int map_mesh(const CommandLine& line, const MapArguments& arguments) {
-  const auto mesh = recon::read_ply(arguments.mesh);
+  const auto mesh = recon::read_mesh(arguments.mesh);
+  refuse_triangles_without_area(arguments.mesh, mesh);
   recon::StageClock clock;
   const auto result = clock.run("sphere", [&] { return recon::map_to_sphere(mesh); });
   if (result.map) clock.run("write", [&] { write_results(arguments, mesh, *result.map); });
@@ -168,7 +183,7 @@ void add_recon_commands(CommandLine& line) {
 
   auto mapping = std::make_shared<MapArguments>();
   auto* map = line.app.add_subcommand("map", "maps one closed mesh to the sphere and back");
-  map->add_option("mesh", mapping->mesh, "a closed genus-0 mesh (PLY)")->required();
+  map->add_option("mesh", mapping->mesh, "a closed genus-0 mesh (PLY or OBJ)")->required();
   map->add_option("--level", mapping->level, "2^level + 1 samples a side")
       ->check(CLI::Range(1, 10))
       ->capture_default_str();

@@ -198,6 +198,13 @@ TEST_F(Map, SaysWhyAnOpenMeshOrAnotherFileCannotBeMapped) {
   EXPECT_THAT(of_open.err, AllOf(HasSubstr(file.string()), HasSubstr("closed")));
   EXPECT_FALSE(fs::exists(folder() / "remesh.ply"));
 
+  auto flat = icosphere(2);
+  flat.positions[flat.triangles[5][0]] = flat.positions[flat.triangles[5][1]];
+  recon::write_ply(file, flat);
+  const auto of_flat = rotunda({"map", file.string()});
+  EXPECT_EQ(of_flat.exit_code, 3);
+  EXPECT_THAT(of_flat.err, AllOf(HasSubstr(file.string()), HasSubstr("has no area")));
+
   const auto text = folder() / "notes.txt";
   std::ofstream(text) << "not a mesh\n";
   const auto of_text = rotunda({"map", text.string()});

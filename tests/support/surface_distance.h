@@ -1,11 +1,14 @@
 #pragma once
 // Distances from points to a triangle mesh, for measuring against truth. Metres.
+#include <tbb/parallel_for.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
 #include <random>
+#include <span>
 #include <vector>
 
 #include "recon/mesh/triangle_mesh.h"
@@ -120,24 +123,44 @@ inline std::vector<Eigen::Vector3d> points_on(const recon::TriangleMesh& mesh, s
   return points;
 }
 
+struct PointDistance {
+  Eigen::Vector3d point;
+  double distance;
+};
+
+// From `count` points spread over `from`, and its vertices, to the surface of `to`.
+inline std::vector<PointDistance> point_distances(const recon::TriangleMesh& from, const recon::TriangleMesh& to,
+                                                  std::size_t count) {
+  const DistanceTree tree(to);
+  const auto points = points_on(from, count);
+  std::vector<PointDistance> distances(points.size());
+  tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
+    distances[i] = {points[i], tree.distance(points[i])};
+  });
+  return distances;
+}
+
 struct SurfaceDistance {
   double mean = 0.0, p95 = 0.0, p99 = 0.0, max = 0.0;
 };
 
-// Both ways, `count` points and all vertices each.
-inline SurfaceDistance symmetric_distance(const recon::TriangleMesh& a, const recon::TriangleMesh& b,
-                                          std::size_t count) {
+inline SurfaceDistance summary_of(std::span<const PointDistance> points) {
+  if (points.empty()) return {};
   std::vector<double> distances;
-  const auto measure = [&](const recon::TriangleMesh& from, const recon::TriangleMesh& to) {
-    const DistanceTree tree(to);
-    for (const auto& point : points_on(from, count)) distances.push_back(tree.distance(point));
-  };
-  measure(a, b);
-  measure(b, a);
+  for (const auto& point : points) distances.push_back(point.distance);
   std::sort(distances.begin(), distances.end());
   const auto quantile = [&](double q) { return distances[static_cast<std::size_t>(q * double(distances.size() - 1))]; };
   const double sum = std::accumulate(distances.begin(), distances.end(), 0.0);
   return {sum / double(distances.size()), quantile(0.95), quantile(0.99), distances.back()};
+}
+
+// Both ways, `count` points and all vertices each.
+inline SurfaceDistance symmetric_distance(const recon::TriangleMesh& a, const recon::TriangleMesh& b,
+                                          std::size_t count) {
+  auto distances = point_distances(a, b, count);
+  const auto back = point_distances(b, a, count);
+  distances.insert(distances.end(), back.begin(), back.end());
+  return summary_of(distances);
 }
 
 }  // namespace rotunda::tests

@@ -105,6 +105,24 @@ TEST(MeshFile, ReadsTextAndCutsPolygonsIntoFans) {
   EXPECT_NEAR(surface_area(mesh), 1.0, 1e-6);
 }
 
+TEST(MeshFile, ReadsAnObjWithTextureAndRelativeIndices) {
+  const TemporaryFolder folder;
+  std::ofstream(folder.path / "square.OBJ") << "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0.5\nvt 0 0\nvt 1 1\n"
+                                               "f 1/1 2/2 3/1\nf -4/1 -2/2 -1/1\n";
+  const auto mesh = read_mesh(folder.path / "square.OBJ");
+  ASSERT_EQ(mesh.positions.size(), 4U);
+  EXPECT_EQ(mesh.positions[3], Eigen::Vector3f(0.0F, 1.0F, 0.5F));
+  EXPECT_EQ(mesh.triangles, (std::vector<std::array<std::uint32_t, 3>>{{0, 1, 2}, {0, 2, 3}}));
+}
+
+TEST(MeshFile, RefusesAnObjWithoutFacesOrWithAVertexTooMany) {
+  const TemporaryFolder folder;
+  std::ofstream(folder.path / "points.obj") << "v 0 0 0\nv 1 0 0\n";
+  EXPECT_THROW(read_mesh(folder.path / "points.obj"), CorruptData);
+  std::ofstream(folder.path / "wild.obj") << "v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 9\n";
+  EXPECT_THROW(read_mesh(folder.path / "wild.obj"), CorruptData);
+}
+
 TEST(MeshFile, RefusesEveryTruncation) {
   const TemporaryFolder folder;
   auto mesh = tetrahedron();

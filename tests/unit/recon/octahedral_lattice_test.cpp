@@ -80,6 +80,15 @@ TEST(OctahedralLattice, GoesOnAcrossItsBordersWhereTheSphereDoes) {
     }
 }
 
+TEST(OctahedralLattice, RefinedKeepsItsSamplesAndItsBorder) {
+  const auto coarse = lattice_directions(3), fine = refine_directions(coarse, 4);
+  for (int y = 0; y < lattice_side(3); ++y)
+    for (int x = 0; x < lattice_side(3); ++x) EXPECT_EQ(fine[at(4, 2 * x, 2 * y)], coarse[at(3, x, y)]);
+  for (const auto& t : lattice_triangles(4)) ASSERT_EQ(orientation(fine[t[0]], fine[t[1]], fine[t[2]]), 1);
+  for (int i = 0; i <= 16; ++i) EXPECT_EQ(fine[at(4, i, 0)], fine[at(4, 16 - i, 0)]);
+  EXPECT_THROW(refine_directions(coarse, 5), InvalidInput);
+}
+
 TEST(OctahedralLattice, RefusesALevelOutOfRange) {
   EXPECT_THROW(lattice_directions(0), InvalidInput);
   EXPECT_THROW(weld_lattice(13), InvalidInput);

@@ -4,6 +4,7 @@
 
 #include "config/errors.h"
 #include "recon/sphere/octahedral_lattice.h"
+#include "recon/sphere/relaxed_lattice.h"
 #include "recon/sphere/spherical_geometry.h"
 #include "tests/support/closed_shapes.h"
 #include "tests/support/surface_distance.h"
@@ -24,7 +25,7 @@ class ResampledStarfish : public testing::Test {
 
 TEST_F(ResampledStarfish, EverySampleLiesInTheTriangleFoundForIt) {
   const auto directions = lattice_directions(5);
-  const auto samples = sample_lattice(mesh_, map_, 5);
+  const auto samples = sample_lattice(mesh_, map_, directions);
   ASSERT_EQ(samples.size(), directions.size());
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const auto& t = mesh_.triangles[samples[i].triangle];
@@ -64,12 +65,24 @@ TEST_F(ResampledStarfish, ErrorFallsFasterThanTheSampleDistance) {
 }
 
 TEST_F(ResampledStarfish, ColourPointsAreTheFinerLatticeOfTheSameSurface) {
-  const auto image = resample(mesh_, map_, 4);
-  const auto points = surface_points(mesh_, map_, 5);
+  const auto lattice = relaxed_lattice(mesh_, map_, 4);
+  const auto image = resample(mesh_, map_, lattice);
+  const auto points = surface_points(mesh_, map_, refine_directions(lattice, 5));
   const std::size_t side = 17, fine_side = 33;
   for (std::size_t y = 0; y < side; ++y)
     for (std::size_t x = 0; x < side; ++x)
       EXPECT_LT((points.positions[2 * y * fine_side + 2 * x] - image.positions[y * side + x]).norm(), 1e-5F);
+}
+
+TEST_F(ResampledStarfish, RemeshOfEveryLevelIsAClosedSphereWhicheverWayItsCellsAreCut) {
+  for (int level = 1; level <= 5; ++level) {
+    const auto remeshed = remesh(resample(mesh_, map_, level));
+    EXPECT_TRUE(topology_of(remeshed).is_sphere()) << "level " << level;
+  }
+}
+
+TEST_F(ResampledStarfish, RefusesDirectionsThatAreNoLattice) {
+  EXPECT_THROW(resample(mesh_, map_, std::vector<Eigen::Vector3d>(26, Eigen::Vector3d::UnitX())), InvalidInput);
 }
 
 TEST_F(ResampledStarfish, RefusesAMapOfAnotherMesh) {
