@@ -53,12 +53,19 @@ bool CameraWorker::streaming() const {
 
 void CameraWorker::tell_silence(bool silent) {
   const std::lock_guard lock(mutex_);
+  silence_ends_ = false;
   if (silent_ == silent) return;
   silent_ = silent;
   if (!streams_) return;
   probe_wanted_ = silent;
   status_.state = silent ? "lost" : "streaming";
   tell_health();
+  wake_.notify_one();
+}
+
+void CameraWorker::end_silence() {
+  const std::lock_guard lock(mutex_);
+  silence_ends_ = probe_wanted_ = silent_;
   wake_.notify_one();
 }
 
@@ -211,6 +218,7 @@ void CameraWorker::look() {
   if (!health.clock.problem.empty() && health_.clock.problem.empty())
     spdlog::warn("{}: {}", settings_.camera, health.clock.problem);
   health_ = std::move(health);
+  if (std::exchange(silence_ends_, false)) silent_ = false;
 }
 
 void CameraWorker::open_and_arm() {
@@ -356,6 +364,7 @@ void CameraWorker::take_down(const std::string& problem) {
     streams_ = false;
     probe_wanted_ = false;
     ailment_.clear();
+    if (std::exchange(silence_ends_, false)) silent_ = false;  // it is lost by its own state, and answers when opened
     status_.rate_hz = 0.0;
     health_ = {};
     status_.clock.reset();

@@ -39,6 +39,8 @@ class CameraWorker {
   // No frames come of it though it is triggered, or they do again: its status says so at once, and the worker asks the
   // camera whether it is there.
   void tell_silence(bool silent);
+  // Nothing triggers it any more. One that was silent stays lost until it has answered a question.
+  void end_silence();
   // It does not stream, or has left a question unanswered for longer than a busy camera would.
   bool gone() const;
   // Asks the thread to stop; returns at once.
@@ -85,6 +87,7 @@ class CameraWorker {
   std::chrono::steady_clock::time_point next_look_;  // touched by the worker's thread only
   bool streams_ = false;                             // as the source says
   bool silent_ = false;
+  bool silence_ends_ = false;                                      // with the camera's next answer
   bool probe_wanted_ = false;                                      // silence began
   std::optional<std::chrono::steady_clock::time_point> asked_at_;  // a question the camera has not answered yet
   capture::StreamPacing wanted_pacing_, pacing_;

@@ -112,7 +112,7 @@ void FrameSetStream::hear(const capture::CameraId& camera, capture::Timestamp no
 
 // Nothing is triggered any more: that nothing comes says nothing.
 void FrameSetStream::end_silence() {
-  for (const auto& camera : cameras_) fleet_.worker(camera).tell_silence(false);
+  for (const auto& camera : cameras_) fleet_.worker(camera).end_silence();
 }
 
 void FrameSetStream::look_for_silence(capture::Timestamp now) {
