@@ -106,9 +106,9 @@ class Trailers {
     std::memcpy(&stamp, CMSG_DATA(told), sizeof stamp);
     const std::lock_guard lock(mutex_);
     stamps_.push_back(
-        Timestamp(std::chrono::seconds{stamp.tv_sec} + std::chrono::nanoseconds{stamp.tv_nsec} + rig_ahead_));
+        Timestamp(std::chrono::seconds{stamp.tv_sec} + std::chrono::nanoseconds{stamp.tv_nsec} + rig_ahead()));
   }
-  // Of the clock that the kernel stamps by.
+  // Of the clock that the kernel stamps by: asked with every stamp, that clock may be moved meanwhile.
   static std::chrono::nanoseconds rig_ahead() {
     timespec now{};
     clock_gettime(CLOCK_REALTIME, &now);
@@ -117,7 +117,6 @@ class Trailers {
   }
 
   capture::UniqueFd fd_;
-  const std::chrono::nanoseconds rig_ahead_ = rig_ahead();
   mutable std::mutex mutex_;
   std::vector<Timestamp> stamps_;
   std::jthread thread_;
@@ -186,7 +185,7 @@ struct Stamped {
   bool complete = false;
 };
 
-// From the last packet that was to come, to the set in the queue; packets that are sent again are not waited for.
+// From the last packet that was to come, to the set in the queue; where some are lost, without those sent again.
 void run_latency(const config::RigConfig& rig, Studio& studio, const std::string& name, std::uint64_t sets) {
   rig::CameraFleet fleet(rig);
   fleet.wait_until_tried({});
@@ -198,14 +197,16 @@ void run_latency(const config::RigConfig& rig, Studio& studio, const std::string
   while (stream.advance()) std::this_thread::sleep_for(20ms);
   Latencies latencies;
   std::size_t complete = 0;
+  const auto lost = studio.lost_packets() - lost_before;
   for (const auto& set : all) {
     complete += set.complete;
-    const auto frame_is_over = set.trigger + kFrameTime;
-    const auto last = trailers.last_between(set.trigger, std::min(set.queued, frame_is_over));
+    const auto over = lost == 0 ? set.queued : std::min(set.queued, set.trigger + kFrameTime);
+    const auto last = trailers.last_between(set.trigger, over);
     if (last) latencies.all.push_back(milliseconds(set.queued - *last));
   }
-  fmt::print("{:<34} {} of {} complete, {} packets lost\n", name + ": frame sets", complete, sets,
-             studio.lost_packets() - lost_before);
+  fmt::print("{:<34} {} of {} complete, {} packets lost\n", name + ": frame sets", complete, sets, lost);
+  if (latencies.all.size() < all.size())
+    fmt::print("{:<34} {} of them seen\n", name + ": last packets", latencies.all.size());
   print_row(name + ": last packet to queue", std::move(latencies));
 }
 
