@@ -57,7 +57,7 @@ class AravisSource final : public Source {
   SourceDescription description() const override;
 
  private:
-  static void on_control_lost(ArvGvDevice*, gpointer self);
+  static void on_control_lost(ArvDevice*, gpointer self);
   static void on_stream(void* tie, ArvStreamCallbackType type, ArvBuffer* buffer) noexcept;
 
   void require(SourceState needed, const char* verb) const;  // throws unless so
@@ -72,6 +72,7 @@ class AravisSource final : public Source {
   GRef<ArvStream> take_stream() noexcept;
   SourceHealth ask_health();
   void hand_on(ArvBuffer* buffer);
+  std::optional<std::uint64_t> exposure_count_of(ArvBuffer* buffer);
   std::optional<Timestamp> exposure_start_of(ArvBuffer* buffer);
   bool is_whole(ArvBuffer* buffer) const;
   Frame frame_in(ArvBuffer* buffer, const std::uint8_t* data);
@@ -140,12 +141,12 @@ void AravisSource::open() {
   camera_ = open_camera(settings_);
   features_.emplace(camera_.get(), settings_.camera);
   become(SourceState::open);
-  if (arv_camera_is_gv_device(camera_.get()))
-    g_signal_connect(arv_camera_get_device(camera_.get()), "control-lost", G_CALLBACK(on_control_lost), this);
+  g_signal_connect(arv_camera_get_device(camera_.get()), "control-lost", G_CALLBACK(on_control_lost), this);
 }
 
-// On Aravis' heartbeat thread, six seconds or so after the camera has gone.
-void AravisSource::on_control_lost(ArvGvDevice*, gpointer self) {
+// On Aravis' heartbeat thread, six seconds or so after a GigE Vision camera has gone; on any thread when a USB3 Vision
+// camera is pulled out.
+void AravisSource::on_control_lost(ArvDevice*, gpointer self) {
   static_cast<AravisSource*>(self)->state_ = SourceState::lost;
 }
 
@@ -358,8 +359,13 @@ bool AravisSource::is_whole(ArvBuffer* buffer) const {
 Frame AravisSource::frame_in(ArvBuffer* buffer, const std::uint8_t* data) {
   const Timestamp start = exposure_start_of(buffer).value_or(Timestamp{});
   Image image{description_.width, description_.height, description_.format, pool_->lend(buffer, data)};
-  return {settings_.camera, 0, counter_.count(arv_buffer_get_frame_id(buffer)), start, description_.exposure,
-          std::move(image)};
+  return {settings_.camera, 0, exposure_count_of(buffer), start, description_.exposure, std::move(image)};
+}
+
+// USB3 Vision counts blocks from 0 with 64 bits.
+std::optional<std::uint64_t> AravisSource::exposure_count_of(ArvBuffer* buffer) {
+  const std::uint64_t block = arv_buffer_get_frame_id(buffer);
+  return ARV_IS_UV_DEVICE(arv_camera_get_device(camera_.get())) ? block : counter_.count(block);
 }
 
 // Nothing if the packet that has it was lost.

@@ -1,5 +1,5 @@
 #pragma once
-// GenICam cameras (GigE Vision, and USB3 Vision as far as Aravis goes) through unmodified Aravis 0.8.
+// GenICam cameras (GigE Vision and USB3 Vision) through unmodified Aravis 0.8.
 // Pixels are handed on where Aravis put them: the buffer goes back to the stream when the last reader lets go.
 #include "capture/source/source.h"
 

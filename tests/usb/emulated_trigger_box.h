@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-namespace rotunda::test {
+namespace rotunda::tests {
 
 struct EmulatedTriggerBoxOptions {
   std::string serial = "TB0001";
@@ -32,4 +32,4 @@ class EmulatedTriggerBox {
   std::unique_ptr<Parts> parts_;
 };
 
-}  // namespace rotunda::test
+}  // namespace rotunda::tests

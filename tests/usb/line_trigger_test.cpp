@@ -21,7 +21,7 @@ namespace rotunda::rig {
 namespace {
 
 using namespace std::chrono_literals;
-using test::EmulatedTriggerBox;
+using tests::EmulatedTriggerBox;
 
 struct LineRig : ::testing::Test {
   std::filesystem::path folder = std::filesystem::temp_directory_path() / ("rotunda-line-" + std::to_string(getpid()));

@@ -12,7 +12,7 @@ namespace rotunda::capture {
 namespace {
 
 using namespace std::chrono_literals;
-using test::EmulatedTriggerBox;
+using tests::EmulatedTriggerBox;
 
 class PulseLog {
  public:
