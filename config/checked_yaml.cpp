@@ -1,6 +1,7 @@
 #include "config/checked_yaml.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <numeric>
@@ -37,7 +38,15 @@ std::string shown(const YAML::Node& node) {
 
 }  // namespace
 
-std::string nearest_word(const std::string& word, const std::set<std::string>& known) {
+std::string one_of(const Words& words) {
+  return fmt::format("one of {}", fmt::join(words, ", "));
+}
+
+std::function<bool(const std::string&)> in(const Words& words) {
+  return [&words](const std::string& word) { return words.count(word) != 0; };
+}
+
+std::string nearest_word(const std::string& word, const Words& known) {
   std::string nearest;
   std::size_t fewest = std::max<std::size_t>(3, word.size() / 2 + 1);
   for (const auto& candidate : known) {

@@ -12,6 +12,15 @@
 namespace rotunda::config {
 
 using Problems = std::vector<ConfigProblem>;
+using Words = std::set<std::string>;
+
+// What CheckedMap::read() is told to expect, in words and as a test. `words` must outlive it.
+std::string one_of(const Words& words);
+std::function<bool(const std::string&)> in(const Words& words);
+template <class T>
+std::function<bool(const T&)> between(T low, T high) {
+  return [low, high](const T& value) { return value >= low && value <= high; };
+}
 
 class CheckedMap {
  public:
@@ -43,10 +52,10 @@ class CheckedMap {
   YAML::Node node_;
   std::string path_;
   Problems& problems_;
-  std::set<std::string> known_;
+  Words known_;
 };
 
 // The word of `known` that takes the fewest edits from `word`; "" if none is near.
-std::string nearest_word(const std::string& word, const std::set<std::string>& known);
+std::string nearest_word(const std::string& word, const Words& known);
 
 }  // namespace rotunda::config
