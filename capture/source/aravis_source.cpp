@@ -11,10 +11,10 @@
 
 #include "capture/source/aravis_camera.h"
 #include "capture/source/aravis_features.h"
+#include "capture/source/aravis_frames.h"
 #include "capture/source/aravis_opening.h"
 #include "capture/source/aravis_stream.h"
 #include "capture/source/buffer_pool.h"
-#include "capture/source/exposure_counter.h"
 #include "capture/source/gvcp_memory.h"
 #include "capture/source/resend_budget.h"
 #include "capture/source/stream_socket.h"
@@ -36,7 +36,7 @@ struct StreamTie {
 
 class AravisSource final : public Source {
  public:
-  explicit AravisSource(SourceSettings settings) : settings_(std::move(settings)) {}
+  explicit AravisSource(SourceSettings settings) : settings_(std::move(settings)), frames_(settings_.camera) {}
   AravisSource(const AravisSource&) = delete;
   AravisSource& operator=(const AravisSource&) = delete;
   ~AravisSource() override { close(); }
@@ -66,39 +66,24 @@ class AravisSource final : public Source {
   void hear_stream(ArvStreamCallbackType type);
   void require_an_answer();
   void keep_resend_budget(SourceHealth& health);
-  void set_sinks(FrameSink frames, IncompleteSink incomplete);
   void cure_socket_buffer(ArvStream* stream);
   void make_stream();
   GRef<ArvStream> take_stream() noexcept;
   SourceHealth ask_health();
-  void hand_on(ArvBuffer* buffer);
-  std::optional<std::uint64_t> exposure_count_of(ArvBuffer* buffer);
-  std::optional<Timestamp> exposure_start_of(ArvBuffer* buffer);
-  bool is_whole(ArvBuffer* buffer) const;
-  Frame frame_in(ArvBuffer* buffer, const std::uint8_t* data);
 
   const SourceSettings settings_;
   std::atomic<SourceState> state_{SourceState::closed};
-  std::atomic<std::uint64_t> frames_{0};
-  std::atomic<std::uint64_t> incomplete_{0};
+  AravisFrames frames_;
 
   mutable std::mutex mutex_;  // guards what stats() and description() show
   SourceDescription description_;
   StreamChannel channel_;
   int socket_buffer_bytes_ = 0;
 
-  std::mutex sink_mutex_;     // held while a sink is called, so that stop() can promise silence
-  ClockMap clock_map_;        // likewise: of the time stamps
-  bool guess_clock_ = false;  // likewise: nothing is known of the camera's clock; the first frame will tell
-  FrameSink frame_sink_;
-  IncompleteSink incomplete_sink_;
-
-  ExposureCounter counter_;        // touched by the stream thread only
   std::size_t frame_packets_ = 1;  // about
   StreamDeafness deafness_;
 
   GRef<ArvCamera> camera_;
-  ArvPixelFormat pixel_format_ = 0;  // that frames must have, since arm()
   std::optional<AravisFeatures> features_;
   std::optional<ClockWatch> clock_;
   std::optional<ResendBudget> resends_;
@@ -154,7 +139,8 @@ void AravisSource::arm() {
   require(SourceState::open, "armed");
   SourceDescription description = configure_camera(camera_.get(), settings_);
   const StreamChannel channel = configure_stream_channel(camera_.get(), settings_);
-  pixel_format_ = arv_camera_get_pixel_format(camera_.get(), nullptr);
+  frames_.expect(description, arv_camera_get_pixel_format(camera_.get(), nullptr),
+                 arv_camera_is_uv_device(camera_.get()));
   {
     const std::lock_guard lock(mutex_);
     description_ = std::move(description);
@@ -205,11 +191,11 @@ GRef<ArvStream> AravisSource::take_stream() noexcept {
 }
 
 std::optional<std::string> AravisSource::heal() {
-  if (state_ != SourceState::streaming || !deafness_.look(stream_.get(), frames_ + incomplete_, frame_packets_))
+  if (state_ != SourceState::streaming || !deafness_.look(stream_.get(), frames_.heard(), frame_packets_))
     return std::nullopt;
   stop_acquisition(camera_.get(), settings_);
   take_stream().reset();
-  counter_ = {};
+  frames_.begin_count();
   make_stream();
   start_acquisition(camera_.get(), settings_);
   return fmt::format(
@@ -222,13 +208,10 @@ SourceHealth AravisSource::ask_health() {
   SourceHealth health{.clock = clock_->look(), .temperature_c = std::nullopt};
   keep_resend_budget(health);
   if (features_->has("DeviceTemperature")) health.temperature_c = read_number(*features_, "DeviceTemperature");
-  const std::lock_guard lock(sink_mutex_);
-  if (health.clock.kind == "none") {
-    guess_clock_ = guess_clock_ || state_ != SourceState::streaming;
-  } else {
-    guess_clock_ = false;
-    clock_map_ = clock_->map();
-  }
+  if (health.clock.kind != "none")
+    frames_.follow_clock(clock_->map());
+  else if (state_ != SourceState::streaming)
+    frames_.guess_clock();
   return health;
 }
 
@@ -247,7 +230,7 @@ void AravisSource::keep_resend_budget(SourceHealth& health) {
 // Aravis takes 2.5 s to find out, and as long again while its heartbeat does: a camera that sends nothing is asked
 // first whether it is there at all.
 void AravisSource::require_an_answer() {
-  const auto frames = frames_ + incomplete_;
+  const auto frames = frames_.heard();
   const bool quiet = std::exchange(frames_at_last_look_, frames) == frames;
   if (!quiet || !ARV_IS_GV_STREAM(stream_.get()) || answers_gvcp(description_.address)) return;
   state_ = SourceState::lost;
@@ -287,23 +270,17 @@ void AravisSource::cure_socket_buffer(ArvStream* stream) {
                     granted, wanted_socket_buffer_bytes, wanted_socket_buffer_bytes));
 }
 
-void AravisSource::set_sinks(FrameSink frames, IncompleteSink incomplete) {
-  const std::lock_guard lock(sink_mutex_);
-  frame_sink_ = std::move(frames);
-  incomplete_sink_ = std::move(incomplete);
-}
-
 void AravisSource::start(FrameSink frames, IncompleteSink incomplete) {
   require(SourceState::armed, "started");
-  counter_ = {};
-  set_sinks(std::move(frames), std::move(incomplete));  // before the camera starts: the first frame counts
+  frames_.begin_count();
+  frames_.set_sinks(std::move(frames), std::move(incomplete));  // before the camera starts: the first frame counts
   mind_loss([&] { start_acquisition(camera_.get(), settings_); });
   become(SourceState::streaming);
 }
 
 void AravisSource::stop() {
   require(SourceState::streaming, "stopped");
-  set_sinks({}, {});
+  frames_.set_sinks({}, {});
   mind_loss([&] { stop_acquisition(camera_.get(), settings_); });
   become(SourceState::armed);
 }
@@ -318,7 +295,7 @@ bool AravisSource::show_light(bool on) {
 }
 
 void AravisSource::close() noexcept {
-  set_sinks({}, {});
+  frames_.set_sinks({}, {});
   if (camera_ && state_ == SourceState::streaming) arv_camera_stop_acquisition(camera_.get(), nullptr);
   auto stream = take_stream();
   resends_.reset();
@@ -344,61 +321,16 @@ void AravisSource::hear_stream(ArvStreamCallbackType type) {
     const sched_param priority{.sched_priority = stream_thread_priority};
     pthread_setschedparam(pthread_self(), SCHED_RR, &priority);  // where the system allows it
   } else if (type == ARV_STREAM_CALLBACK_TYPE_BUFFER_DONE && stream_) {
-    if (ArvBuffer* buffer = arv_stream_try_pop_buffer(stream_.get())) hand_on(buffer);
+    if (ArvBuffer* buffer = arv_stream_try_pop_buffer(stream_.get())) frames_.hand_on(buffer, *pool_);
     pool_->top_up();
   }
-}
-
-bool AravisSource::is_whole(ArvBuffer* buffer) const {
-  return arv_buffer_get_status(buffer) == ARV_BUFFER_STATUS_SUCCESS &&
-         arv_buffer_get_image_width(buffer) == description_.width &&
-         arv_buffer_get_image_height(buffer) == description_.height &&
-         arv_buffer_get_image_pixel_format(buffer) == pixel_format_;
-}
-
-Frame AravisSource::frame_in(ArvBuffer* buffer, const std::uint8_t* data) {
-  const Timestamp start = exposure_start_of(buffer).value_or(Timestamp{});
-  Image image{description_.width, description_.height, description_.format, pool_->lend(buffer, data)};
-  return {settings_.camera, 0, exposure_count_of(buffer), start, description_.exposure, std::move(image)};
-}
-
-// USB3 Vision counts blocks from 0 with 64 bits.
-std::optional<std::uint64_t> AravisSource::exposure_count_of(ArvBuffer* buffer) {
-  const std::uint64_t block = arv_buffer_get_frame_id(buffer);
-  return ARV_IS_UV_DEVICE(arv_camera_get_device(camera_.get())) ? block : counter_.count(block);
-}
-
-// Nothing if the packet that has it was lost.
-std::optional<Timestamp> AravisSource::exposure_start_of(ArvBuffer* buffer) {
-  const DeviceTime stamp(static_cast<DeviceTime::rep>(arv_buffer_get_timestamp(buffer)));
-  if (stamp.count() == 0) return std::nullopt;
-  if (std::exchange(guess_clock_, false))
-    clock_map_ = {.rig_origin = Timestamp(guessed_clock_shift(Timestamp(stamp), RigClock::now()))};
-  return clock_map_.rig_time(stamp);
-}
-
-void AravisSource::hand_on(ArvBuffer* buffer) {
-  const std::lock_guard lock(sink_mutex_);
-  std::size_t bytes = 0;
-  const void* data = is_whole(buffer) ? arv_buffer_get_image_data(buffer, &bytes) : nullptr;
-  const Image expected{description_.width, description_.height, description_.format, nullptr};
-  if (data && bytes >= expected.size_bytes()) {
-    Frame frame = frame_in(buffer, static_cast<const std::uint8_t*>(data));
-    ++frames_;
-    if (frame_sink_) frame_sink_(std::move(frame));
-    return;
-  }
-  const auto start = exposure_start_of(buffer);
-  pool_->give_back(buffer);
-  ++incomplete_;
-  if (incomplete_sink_) incomplete_sink_({settings_.camera, start});
 }
 
 SourceStats AravisSource::stats() const {
   const std::lock_guard lock(mutex_);
   SourceStats stats;
-  stats.frames = frames_;
-  stats.incomplete = incomplete_;
+  stats.frames = frames_.whole();
+  stats.incomplete = frames_.incomplete();
   stats.socket_buffer_bytes = socket_buffer_bytes_;
   stats.packet_size = channel_.packet_size;
   stats.packet_socket = channel_.packet_socket;
