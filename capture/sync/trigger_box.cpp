@@ -1,15 +1,14 @@
 #include "capture/sync/trigger_box.h"
 
 #include <fmt/format.h>
-#include <libusb.h>
 #include <pthread.h>
 
 #include <algorithm>
 #include <array>
 #include <utility>
 
+#include "capture/sync/trigger_box_usb.h"
 #include "config/errors.h"
-#include "firmware/trigger_box/trigger_box_protocol.h"
 
 namespace rotunda::capture {
 namespace {
@@ -17,10 +16,8 @@ namespace {
 using namespace std::chrono_literals;
 using std::chrono::nanoseconds;
 
-using Message = std::array<std::uint8_t, TRIGGER_BOX_MESSAGE_BYTES>;
-
 constexpr auto kAnswerTime = 1s;          // a box answers within a millisecond; a second is a box that hangs
-constexpr unsigned kListenMs = 50;        // how long one look for messages lasts
+constexpr auto kListen = 50ms;            // how long one look for messages lasts
 constexpr auto kClockInterval = 250ms;    // between readings of the box's clock
 constexpr int kFirstReadings = 8;         // at the start, at once
 constexpr std::uint8_t kClockTag = 0xFF;  // of the thread's own readings
@@ -29,7 +26,7 @@ constexpr std::uint8_t kClockTag = 0xFF;  // of the thread's own readings
   throw DeviceError("trigger box", what);
 }
 
-void store(Message& message, std::size_t at, std::size_t bytes, std::uint64_t value) {
+void store(TriggerBoxMessage& message, std::size_t at, std::size_t bytes, std::uint64_t value) {
   for (std::size_t i = 0; i < bytes; ++i) message[at + i] = static_cast<std::uint8_t>(value >> (8 * i));
 }
 
@@ -37,82 +34,6 @@ std::uint64_t load(const std::uint8_t* message, std::size_t at, std::size_t byte
   std::uint64_t value = 0;
   for (std::size_t i = 0; i < bytes; ++i) value |= static_cast<std::uint64_t>(message[at + i]) << (8 * i);
   return value;
-}
-
-struct FreeContext {
-  void operator()(libusb_context* context) const noexcept { libusb_exit(context); }
-};
-struct CloseHandle {
-  void operator()(libusb_device_handle* handle) const noexcept {
-    libusb_release_interface(handle, 0);
-    libusb_close(handle);
-  }
-};
-using Context = std::unique_ptr<libusb_context, FreeContext>;
-using Handle = std::unique_ptr<libusb_device_handle, CloseHandle>;
-
-Context usb_context() {
-  libusb_context* context = nullptr;
-  if (const int error = libusb_init(&context); error < 0)
-    fail(fmt::format("USB cannot be used: {}", libusb_strerror(error)));
-  return Context(context);
-}
-
-std::string port_of(libusb_device* device) {
-  return fmt::format("{}-{}", libusb_get_bus_number(device), libusb_get_port_number(device));
-}
-
-bool is_box(libusb_device* device) {
-  libusb_device_descriptor descriptor{};
-  return libusb_get_device_descriptor(device, &descriptor) == 0 && descriptor.idVendor == TRIGGER_BOX_VENDOR_ID &&
-         descriptor.idProduct == TRIGGER_BOX_PRODUCT_ID;
-}
-
-std::string serial_of(libusb_device_handle* handle) {
-  libusb_device_descriptor descriptor{};
-  std::array<unsigned char, 128> text{};
-  if (libusb_get_device_descriptor(libusb_get_device(handle), &descriptor) != 0) return {};
-  const int bytes = libusb_get_string_descriptor_ascii(handle, descriptor.iSerialNumber, text.data(), text.size());
-  return bytes > 0 ? std::string(text.begin(), text.begin() + bytes) : std::string();
-}
-
-struct OpenBox {
-  Handle handle;  // empty: could not be opened
-  std::string serial, port;
-  int error = 0;
-};
-
-std::vector<OpenBox> open_boxes(libusb_context* context) {
-  libusb_device** devices = nullptr;
-  const auto count = libusb_get_device_list(context, &devices);
-  std::vector<OpenBox> boxes;
-  for (ssize_t i = 0; i < count; ++i) {
-    if (!is_box(devices[i])) continue;
-    libusb_device_handle* handle = nullptr;
-    OpenBox box{.port = port_of(devices[i]), .error = libusb_open(devices[i], &handle)};
-    if (box.error == 0) box.handle.reset(handle);
-    if (box.handle) box.serial = serial_of(box.handle.get());
-    boxes.push_back(std::move(box));
-  }
-  if (count >= 0) libusb_free_device_list(devices, 1);
-  return boxes;
-}
-
-OpenBox choose_box(std::vector<OpenBox> boxes, const std::string& serial) {
-  if (boxes.empty()) fail("there is none on USB; plug it in");
-  std::string seen;
-  for (const auto& box : boxes)
-    seen += fmt::format("{}{}", seen.empty() ? "" : ", ",
-                        box.handle ? box.serial : fmt::format("port {} ({})", box.port, libusb_strerror(box.error)));
-  if (!serial.empty())
-    boxes.erase(std::remove_if(boxes.begin(), boxes.end(), [&](const auto& box) { return box.serial != serial; }),
-                boxes.end());
-  if (boxes.empty()) fail(fmt::format("none has the serial number {}; there are: {}", serial, seen));
-  if (boxes.size() > 1) fail(fmt::format("there are several ({}); name one with trigger.box", seen));
-  if (!boxes.front().handle)
-    fail(fmt::format("the one on port {} cannot be opened: {}; install config/udev/70-rotunda.rules",
-                     boxes.front().port, libusb_strerror(boxes.front().error)));
-  return std::move(boxes.front());
 }
 
 std::string_view meaning(int status) {
@@ -140,55 +61,8 @@ std::string_view name_of(int opcode) {
 
 }  // namespace
 
-struct TriggerBox::Usb {
-  Context context;
-  Handle handle;
-  unsigned char out = 0, in = 0;  // endpoints
-
-  // A board's USB stack may give them numbers of its own.
-  void find_endpoints() {
-    libusb_config_descriptor* raw = nullptr;
-    if (libusb_get_active_config_descriptor(libusb_get_device(handle.get()), &raw) != 0) return;
-    const std::unique_ptr<libusb_config_descriptor, decltype(&libusb_free_config_descriptor)> configuration(
-        raw, &libusb_free_config_descriptor);
-    if (configuration->bNumInterfaces == 0 || configuration->interface[0].num_altsetting == 0) return;
-    const auto& interface = configuration->interface[0].altsetting[0];
-    for (int i = 0; i < interface.bNumEndpoints; ++i) {
-      const auto& endpoint = interface.endpoint[i];
-      if ((endpoint.bmAttributes & 3) != LIBUSB_TRANSFER_TYPE_BULK) continue;
-      auto& address = (endpoint.bEndpointAddress & LIBUSB_ENDPOINT_IN) != 0 ? in : out;
-      if (address == 0) address = endpoint.bEndpointAddress;
-    }
-  }
-
-  // Bytes moved; sets `error` when it was not a mere timeout.
-  int transfer(unsigned char endpoint, Message& message, unsigned timeout_ms, int& error) const {
-    int bytes = 0;
-    error = libusb_bulk_transfer(handle.get(), endpoint, message.data(), static_cast<int>(message.size()), &bytes,
-                                 timeout_ms);
-    if (error == LIBUSB_ERROR_TIMEOUT || error == LIBUSB_ERROR_INTERRUPTED) error = 0;
-    return bytes;
-  }
-};
-
-std::vector<FoundTriggerBox> find_trigger_boxes() {
-  const auto context = usb_context();
-  std::vector<FoundTriggerBox> found;
-  for (const auto& box : open_boxes(context.get())) found.push_back({box.serial, box.port});
-  return found;
-}
-
 TriggerBox::TriggerBox(const std::string& serial, PulseSink sink)
-    : usb_(std::make_unique<Usb>()), sink_(std::move(sink)) {
-  usb_->context = usb_context();
-  auto box = choose_box(open_boxes(usb_->context.get()), serial);
-  serial_ = box.serial;
-  usb_->handle = std::move(box.handle);
-  if (const int error = libusb_claim_interface(usb_->handle.get(), 0); error < 0)
-    fail(fmt::format("{} is in use by another program: {}", serial_, libusb_strerror(error)));
-  usb_->find_endpoints();
-  if (usb_->in == 0 || usb_->out == 0)
-    fail(fmt::format("{} has no bulk endpoints; its firmware is not a trigger box's", serial_));
+    : usb_(std::make_unique<TriggerBoxUsb>(serial)), serial_(usb_->serial()), sink_(std::move(sink)) {
   thread_ = std::jthread([this](std::stop_token stop) { listen(std::move(stop)); });
   const auto hello = command({.opcode = TRIGGER_BOX_HELLO});
   if (hello.value32 >> 16 != TRIGGER_BOX_PROTOCOL)
@@ -214,7 +88,7 @@ TriggerBox::~TriggerBox() {
 
 TriggerBox::Reply TriggerBox::ask(const Request& request) {
   const std::lock_guard one_at_a_time(command_mutex_);
-  Message message{};
+  TriggerBoxMessage message{};
   {
     const std::lock_guard lock(mutex_);
     tag_ = static_cast<std::uint8_t>(tag_ % (kClockTag - 1) + 1);
@@ -225,9 +99,8 @@ TriggerBox::Reply TriggerBox::ask(const Request& request) {
   store(message, 2, 2, request.line);
   store(message, 4, 4, request.value32);
   store(message, 8, 8, request.value64);
-  int error = 0;
-  if (usb_->transfer(usb_->out, message, 1000, error) != TRIGGER_BOX_MESSAGE_BYTES)
-    lose(error ? libusb_strerror(error) : "it takes no commands");
+  if (const auto sent = usb_->send(message); !sent.whole)
+    lose(sent.error.empty() ? "it takes no commands" : sent.error);
   std::unique_lock lock(mutex_);
   answered_.wait_for(lock, kAnswerTime, [&] { return reply_ || lost_; });
   if (lost_) fail(fmt::format("{} was lost: {}; plug it in again", serial_, why_lost_));
@@ -297,25 +170,22 @@ void TriggerBox::listen(std::stop_token stop) {
       read_clock();
       next_reading = RigClock::now() + kClockInterval;
     }
-    Message message{};
-    int error = 0;
-    const int bytes = usb_->transfer(usb_->in, message, kListenMs, error);
-    if (error) return lose(libusb_strerror(error));
-    if (bytes == TRIGGER_BOX_MESSAGE_BYTES) take_message(message.data(), RigClock::now());
+    TriggerBoxMessage message{};
+    const auto received = usb_->receive(message, kListen);
+    if (!received.error.empty()) return lose(received.error);
+    if (received.whole) take_message(message.data(), RigClock::now());
   }
 }
 
 void TriggerBox::read_clock() {
-  Message message{};
+  TriggerBoxMessage message{};
   message[0] = TRIGGER_BOX_STATUS;
   message[1] = kClockTag;
   {
     const std::lock_guard lock(mutex_);
     clock_asked_ = RigClock::now();
   }
-  int error = 0;
-  usb_->transfer(usb_->out, message, 1000, error);
-  if (error) lose(libusb_strerror(error));
+  if (const auto sent = usb_->send(message); !sent.error.empty()) lose(sent.error);
 }
 
 void TriggerBox::take_message(const std::uint8_t* message, Timestamp arrived) {

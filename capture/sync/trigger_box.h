@@ -50,6 +50,8 @@ struct FoundTriggerBox {
 // Boxes on this machine's USB. Throws DeviceError if USB cannot be used at all.
 std::vector<FoundTriggerBox> find_trigger_boxes();
 
+class TriggerBoxUsb;
+
 class TriggerBox {
  public:
   using PulseSink = std::function<void(const Pulse&)>;  // on the box's thread; must only pass things on
@@ -75,7 +77,6 @@ class TriggerBox {
   ClockModel clock() const;
 
  private:
-  struct Usb;
   struct Reply {
     std::uint8_t status = 0, state = 0;
     std::uint32_t value32 = 0;
@@ -98,7 +99,7 @@ class TriggerBox {
   void lose(const std::string& why);
   [[noreturn]] void refuse(const Request& request, const Reply& reply) const;
 
-  std::unique_ptr<Usb> usb_;
+  std::unique_ptr<TriggerBoxUsb> usb_;
   std::string serial_;
   PulseSink sink_;
   int lines_ = 0;
