@@ -11,7 +11,7 @@ namespace {
 using namespace std::chrono_literals;
 
 // From a trigger to its frame: exposure, the way here, and packets that are sent again.
-constexpr std::chrono::nanoseconds kOnTheWay = 80ms;
+constexpr std::chrono::nanoseconds kOnTheWay = 100ms - kLookForSilence;
 constexpr std::chrono::nanoseconds kFirstFrame = 300ms;  // more at first, while everything starts
 
 }  // namespace

@@ -1,7 +1,7 @@
 #pragma once
-// Which cameras have fallen silent while triggers are fired: told within two periods and 80 ms, long before their
-// connection is given up (Aravis: 6 s). Anything that comes of a camera is a sign of life, whole or not. Pure; the
-// caller brings `now`. One thread at a time.
+// Which cameras have fallen silent while triggers are fired: told within two periods and 100 ms (180 ms at 25 Hz) if
+// looked for every kLookForSilence, long before their connection is given up (Aravis: 6 s). Anything that comes of a
+// camera is a sign of life, whole or not. Pure; the caller brings `now`. One thread at a time.
 #include <chrono>
 #include <cstddef>
 #include <vector>
@@ -9,6 +9,8 @@
 #include "capture/frame.h"
 
 namespace rotunda::capture {
+
+inline constexpr std::chrono::milliseconds kLookForSilence{20};
 
 class SilenceWatch {
  public:

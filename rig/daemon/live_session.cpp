@@ -10,7 +10,7 @@ using namespace std::chrono_literals;
 
 // A live picture that is later than this is not waited for.
 constexpr auto kDeadline = 150ms;
-constexpr auto kPulse = 20ms;
+constexpr auto kPulse = capture::kLookForSilence;
 
 FrameSetStreamOptions stream_options(const config::RigConfig& rig) {
   FrameSetStreamOptions options{.trigger = rig.trigger, .wanted = std::nullopt, .cameras = {}, .deadline = kDeadline};

@@ -22,7 +22,7 @@ using namespace std::chrono_literals;
 // is long enough for any resend and for a machine that is busy elsewhere.
 constexpr auto kDeadline = 1s;
 // How often the recorder looks for deadlines that have passed and for a stop request.
-constexpr auto kRecorderPulse = 20ms;
+constexpr auto kRecorderPulse = capture::kLookForSilence;
 // Frame sets without pixels (the disk was too slow for them) are small: the queue has room for minutes of them.
 constexpr std::size_t kRoomForHoles = 10000;
 

@@ -20,7 +20,7 @@ TEST(SilenceWatch, ACameraThatDiesAt25HzIsToldWithin180Milliseconds) {
   SilenceWatch watch(3, kPeriod);
   watch.begin(kStart);
   Timestamp died{};
-  for (Timestamp now = kStart; now < kStart + 3s; now += 20ms) {
+  for (Timestamp now = kStart; now < kStart + 3s; now += kLookForSilence) {
     const bool frame = (now - kStart) % kPeriod == 0ms;
     for (const std::size_t camera : {0U, 1U, 2U}) {
       const bool dead = camera == 1 && now > kStart + 2s;
