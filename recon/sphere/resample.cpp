@@ -4,6 +4,7 @@
 #include <string>
 
 #include "config/errors.h"
+#include "recon/sphere/lattice_fit.h"
 #include "recon/sphere/octahedral_lattice.h"
 #include "recon/sphere/relaxed_lattice.h"
 
@@ -63,6 +64,17 @@ void turn_diagonals(TriangleMesh& mesh, int level) {
   }
 }
 
+SurfacePoints points_under(const TriangleMesh& mesh, const std::vector<SurfaceSample>& samples) {
+  const auto normals = vertex_normals(mesh);
+  SurfacePoints points;
+  for (const auto& sample : samples) {
+    const auto& triangle = mesh.triangles[sample.triangle];
+    points.positions.push_back(blend(mesh.positions, triangle, sample.barycentric).cast<float>());
+    points.normals.push_back(unit(blend(normals, triangle, sample.barycentric), face_normal(mesh, triangle)));
+  }
+  return points;
+}
+
 }  // namespace
 
 std::vector<SurfaceSample> sample_lattice(const TriangleMesh& mesh, const SphereMap& map,
@@ -85,18 +97,13 @@ std::vector<SurfaceSample> sample_lattice(const TriangleMesh& mesh, const Sphere
 
 SurfacePoints surface_points(const TriangleMesh& mesh, const SphereMap& map,
                              const std::vector<Eigen::Vector3d>& directions) {
-  const auto normals = vertex_normals(mesh);
-  SurfacePoints points;
-  for (const auto& sample : sample_lattice(mesh, map, directions)) {
-    const auto& triangle = mesh.triangles[sample.triangle];
-    points.positions.push_back(blend(mesh.positions, triangle, sample.barycentric).cast<float>());
-    points.normals.push_back(unit(blend(normals, triangle, sample.barycentric), face_normal(mesh, triangle)));
-  }
-  return points;
+  return points_under(mesh, sample_lattice(mesh, map, directions));
 }
 
 GeometryImage resample(const TriangleMesh& mesh, const SphereMap& map, const std::vector<Eigen::Vector3d>& directions) {
-  auto points = surface_points(mesh, map, directions);
+  const auto samples = sample_lattice(mesh, map, directions);
+  auto points = points_under(mesh, samples);
+  fit_positions(mesh, SphereLocator(mesh, map), directions, samples, points.normals, points.positions);
   GeometryImage image;
   image.level = image.colour_level = lattice_level(directions.size());
   image.positions = std::move(points.positions);

@@ -24,7 +24,8 @@ struct SurfacePoints {
 SurfacePoints surface_points(const TriangleMesh& mesh, const SphereMap& map,
                              const std::vector<Eigen::Vector3d>& directions);
 
-// Positions and normals; colours and coverage are left empty for recon/colour to fill.
+// Positions and normals; colours and coverage are left empty for recon/colour to fill. Positions lie beside the surface
+// by as much as makes the triangles between them fit it best (lattice_fit.h).
 GeometryImage resample(const TriangleMesh& mesh, const SphereMap& map, const std::vector<Eigen::Vector3d>& directions);
 
 // The same on the relaxed lattice (relaxed_lattice.h) of a level.

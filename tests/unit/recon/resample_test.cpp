@@ -66,12 +66,12 @@ TEST_F(ResampledStarfish, ErrorFallsFasterThanTheSampleDistance) {
 
 TEST_F(ResampledStarfish, ColourPointsAreTheFinerLatticeOfTheSameSurface) {
   const auto lattice = relaxed_lattice(mesh_, map_, 4);
-  const auto image = resample(mesh_, map_, lattice);
+  const auto coarse = surface_points(mesh_, map_, lattice);
   const auto points = surface_points(mesh_, map_, refine_directions(lattice, 5));
   const std::size_t side = 17, fine_side = 33;
   for (std::size_t y = 0; y < side; ++y)
     for (std::size_t x = 0; x < side; ++x)
-      EXPECT_LT((points.positions[2 * y * fine_side + 2 * x] - image.positions[y * side + x]).norm(), 1e-5F);
+      EXPECT_LT((points.positions[2 * y * fine_side + 2 * x] - coarse.positions[y * side + x]).norm(), 1e-5F);
 }
 
 TEST_F(ResampledStarfish, RemeshOfEveryLevelIsAClosedSphereWhicheverWayItsCellsAreCut) {
@@ -79,6 +79,22 @@ TEST_F(ResampledStarfish, RemeshOfEveryLevelIsAClosedSphereWhicheverWayItsCellsA
     const auto remeshed = remesh(resample(mesh_, map_, level));
     EXPECT_TRUE(topology_of(remeshed).is_sphere()) << "level " << level;
   }
+}
+
+TEST(FittedLattice, NeitherShrinksABallNorLeavesItsSurfaceFarther) {
+  auto ball = tests::icosphere(4);
+  SphereMap map;
+  for (const auto& p : ball.positions) map.points.push_back(p.cast<double>().normalized());
+  const auto directions = lattice_directions(4);
+  const auto fitted = remesh(resample(ball, map, directions));
+  auto sampled = fitted;
+  const auto points = surface_points(ball, map, directions);
+  const auto lattice = weld_lattice(4);
+  for (std::size_t v = 0; v < sampled.positions.size(); ++v)
+    sampled.positions[v] = points.positions[lattice.sample_of_vertex[v]];
+  const double volume = signed_volume(ball);
+  EXPECT_LT(std::abs(signed_volume(fitted) - volume), 0.5 * std::abs(signed_volume(sampled) - volume));
+  EXPECT_LT(tests::symmetric_distance(ball, fitted, 5000).max, tests::symmetric_distance(ball, sampled, 5000).max);
 }
 
 TEST_F(ResampledStarfish, RefusesDirectionsThatAreNoLattice) {
