@@ -147,6 +147,23 @@ cv::Mat tile(const std::vector<Row>& rows, const ContactSheetOptions& options) {
   return sheet;
 }
 
+cv::Mat clip_sheet(recon::GeometryVideoReader& video, int frames, const ContactSheetOptions& options) {
+  const HeadlessDisplay display;
+  const auto& header = video.header();
+  std::vector<Row> rows(3);
+  const int count = std::clamp(frames, 1, header.frame_count());
+  for (int i = 0; i < count; ++i) {
+    const int index = count > 1 ? i * (header.frame_count() - 1) / (count - 1) : 0;
+    const auto image = video.read(index);
+    const bool interpolated = header.statuses[static_cast<std::size_t>(index)].interpolated;
+    rows[0].push_back({recon::position_picture(image),
+                       fmt::format("frame {}{}", header.first_frame + index, interpolated ? ", interpolated" : "")});
+    rows[1].push_back({recon::colour_picture(image), "colours"});
+    rows[2].push_back({render_geometry_image(image, between_cameras(image, 30.0, 10.0, options)), "drawn"});
+  }
+  return tile(rows, options);
+}
+
 cv::Mat contact_sheet(const fs::path& folder, const ContactSheetOptions& options) {
   const capture::TakeReader take(folder);
   std::vector<Row> rows{camera_row(take, options)};

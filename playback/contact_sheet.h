@@ -6,6 +6,10 @@
 #include <string>
 #include <vector>
 
+namespace rotunda::recon {
+class GeometryVideoReader;
+}
+
 namespace rotunda::playback {
 
 struct ContactSheetOptions {
@@ -17,6 +21,10 @@ struct ContactSheetOptions {
 
 // CV_8UC3, RGB. Draws headless: no other GL context may be current on this thread. Throws what reading the take does.
 cv::Mat contact_sheet(const std::filesystem::path& take, const ContactSheetOptions& options = {});
+
+// A geometry video's frames side by side, as the paper's figure 2 lays them out: above, positions as red, green, blue;
+// below, colours, and the surface drawn. `frames`: so many, spread evenly from the first to the last. Else as above.
+cv::Mat clip_sheet(recon::GeometryVideoReader& video, int frames = 6, const ContactSheetOptions& options = {});
 
 // Tiles of any size in rows, each scaled to fit, with a caption below each row's first line of pixels.
 struct CaptionedPicture {

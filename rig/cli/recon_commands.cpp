@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "capture/picture.h"
 #include "config/errors.h"
@@ -74,6 +75,7 @@ int tell(const recon::TakeReconstructionReport& report, bool as_json) {
 struct ReconArguments {
   std::string take, frames, quality = "full";
   fs::path calibration, meshes, mattes;
+  std::optional<int> colour_level;
   recon::TakeReconstructionOptions options;
 };
 
@@ -85,6 +87,11 @@ int reconstruct(const CommandLine& line, ReconArguments arguments, std::stop_tok
   if (!arguments.meshes.empty()) options.meshes = arguments.meshes;
   if (!arguments.mattes.empty()) options.mattes = arguments.mattes;
   if (arguments.quality == "live") options.level = options.colour_level = 7;
+  if (arguments.colour_level) options.colour_level = *arguments.colour_level;
+  if (options.colour_level < options.level || options.colour_level > options.level + 2)
+    throw InvalidInput(
+        fmt::format("--colour-level {}: colours are as fine as positions (level {}) or up to two levels finer",
+                    options.colour_level, options.level));
   recon::TakeReconstructionReport report;
   {
     Progress bar("recon " + options.take.filename().string());
@@ -169,6 +176,8 @@ void add_recon_commands(CommandLine& line) {
   recon->add_option("--triangles", options.triangles, "of the surface before mapping")
       ->check(CLI::Range(500, 200000))
       ->capture_default_str();
+  recon->add_option("--colour-level", arguments->colour_level,
+                    "(2^level + 1)^2 colours: as many as positions (8; live: 7), or up to two levels more");
   recon->add_option("--calibration", arguments->calibration, "use this instead of the take's own");
   recon->add_option("--frames", arguments->frames, "A:B, half-open, counted from 0");
   recon->add_option("--jobs", options.jobs, "frames at once (else one a core)")->check(CLI::Range(1, 256));

@@ -19,10 +19,9 @@
 #include "playback/render/orbit_film.h"
 #include "playback/viewpoint.h"
 #include "recon/stage_clock.h"
-#include "recon/take_studio.h"
 #include "recon/video/geometry_video.h"
+#include "rig/cli/clip_choice.h"
 #include "rig/cli/command_line.h"
-#include "rig/cli/frame_range.h"
 
 namespace rotunda::rig {
 namespace {
@@ -39,17 +38,6 @@ struct RenderArguments {
   double turns = 1.0;
   fs::path output;
 };
-
-// A geometry video by its file, or a take's by the take's name or path.
-fs::path find_video(const CommandLine& line, const std::string& clip) {
-  if (fs::is_regular_file(clip)) return clip;
-  const auto take = find_take(line, clip);
-  auto video = recon::geometry_video_of(take);
-  if (!fs::exists(video))
-    throw InvalidInput(
-        fmt::format("take {} is not reconstructed yet; first: rotunda recon {}", take.filename().string(), clip));
-  return video;
-}
 
 std::optional<recon::Colour> background_of(const RenderArguments& arguments) {
   if (arguments.background.empty()) return std::nullopt;
@@ -71,20 +59,6 @@ capture::CameraModel camera_from(const std::string& view) {
     known += (known.empty() ? "" : ", ") + camera.name;
   }
   throw InvalidInput(fmt::format("{} has no camera {}; it has {}", view.substr(0, colon), name, known));
-}
-
-// Frames are named by their number in the take; the video's own count starts at its first frame.
-std::pair<int, int> chosen_frames(const RenderArguments& arguments, const recon::GeometryVideoHeader& header) {
-  const auto first = static_cast<std::size_t>(header.first_frame);
-  const auto end = first + static_cast<std::size_t>(header.frame_count());
-  auto range = std::pair(first, end);
-  if (!arguments.frames.empty()) range = frame_range(arguments.frames);
-  if (arguments.frame) range = {*arguments.frame, *arguments.frame + 1};
-  range.second = std::min(range.second, end);
-  if (range.first < first || range.first >= range.second)
-    throw InvalidInput(
-        fmt::format("the geometry video holds the frames {}:{}; none of them are asked for", first, end));
-  return {static_cast<int>(range.first - first), static_cast<int>(range.second - first)};
 }
 
 int tell(const CommandLine& line, const recon::StageClock& clock, const fs::path& output, bool finished) {
@@ -111,7 +85,7 @@ int render_orbit(const CommandLine& line, const RenderArguments& arguments, reco
     options.width = arguments.size[0];
     options.height = arguments.size[1];
   }
-  std::tie(options.first_frame, options.last_frame) = chosen_frames(arguments, video.header());
+  std::tie(options.first_frame, options.last_frame) = chosen_frames(arguments.frames, arguments.frame, video.header());
   options.turns = arguments.turns;
   options.background = background_of(arguments);
   options.stop = stop;
@@ -154,7 +128,7 @@ int render_view(const CommandLine& line, const RenderArguments& arguments, recon
                 std::stop_token stop) {
   if (!arguments.view.empty() && !arguments.size.empty())
     throw InvalidInput("--view draws through that camera at its own size; leave --size out");
-  const auto [first, end] = chosen_frames(arguments, video.header());
+  const auto [first, end] = chosen_frames(arguments.frames, arguments.frame, video.header());
   const auto viewpoint = viewpoint_for(arguments, video.read(first));
   const auto background = background_of(arguments);
   const bool one_picture = arguments.output.extension() == ".png";
@@ -220,13 +194,13 @@ json header_report(const recon::GeometryVideoHeader& header) {
 }
 
 int show(const CommandLine& line, const std::string& clip, const fs::path& picture, std::size_t frame) {
-  if (!picture.empty()) {
-    if (fs::is_regular_file(clip)) throw InvalidInput("--picture shows a take; name the take instead of " + clip);
+  if (!picture.empty() && !fs::is_regular_file(clip)) {
     capture::write_png(picture, playback::contact_sheet(find_take(line, clip), {.frame = frame}));
     if (!line.json) fmt::print("{}\n", picture.string());
     return kDone;
   }
-  const recon::GeometryVideoReader video(find_video(line, clip));
+  recon::GeometryVideoReader video(find_video(line, clip));
+  if (!picture.empty()) capture::write_png(picture, playback::clip_sheet(video));
   const auto report = header_report(video.header());
   if (line.json)
     fmt::print("{}\n", report.dump(2));
@@ -280,11 +254,13 @@ void add_show(CommandLine& line) {
   auto clip = std::make_shared<std::string>();
   auto picture = std::make_shared<fs::path>();
   auto frame = std::make_shared<std::size_t>(0);
-  auto* app = line.app.add_subcommand("show", "what a geometry video holds; a take as a contact sheet");
+  auto* app = line.app.add_subcommand("show", "what a geometry video holds; a take, or its frames, as a picture");
   app->add_option("clip", *clip, "a take, by name or path, or a geometry video's file")->required();
-  app->add_option("--picture", *picture, "write a contact sheet of the take (PNG)");
+  app->add_option("--picture", *picture, "write a contact sheet of the take, or frames of the geometry video (PNG)");
   app->add_option("--frame", *frame, "of the contact sheet")->capture_default_str();
-  app->footer("Example:\n  rotunda show demo --picture contact.png");
+  app->footer(
+      "Examples:\n  rotunda show demo --picture contact.png\n"
+      "  rotunda show takes/demo/recon/geometry.mkv --picture frames.png");
   app->callback([&line, clip, picture, frame] {
     line.run = [&line, clip, picture, frame](std::stop_token) { return show(line, *clip, *picture, *frame); };
   });

@@ -1,0 +1,103 @@
+#include "recon/export/clip_surface.h"
+
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <fstream>
+#include <system_error>
+
+#include "capture/take/take.h"
+#include "config/errors.h"
+#include "recon/sphere/octahedral_lattice.h"
+
+namespace rotunda::recon {
+
+ClipExport::ClipExport(GeometryVideoReader& video, const ClipExportOptions& options)
+    : video_(video), options_(options) {
+  const auto& header = video.header();
+  if (options_.end_frame == 0) options_.end_frame = header.frame_count();
+  if (options_.first_frame < 0 || options_.first_frame >= options_.end_frame ||
+      options_.end_frame > header.frame_count())
+    throw InvalidInput(fmt::format("the geometry video holds the frames 0:{}, not {}:{}", header.frame_count(),
+                                   options_.first_frame, options_.end_frame));
+  if (options_.level == 0) options_.level = header.level;
+  if (options_.level < kMinLatticeLevel || options_.level > header.level)
+    throw InvalidInput(fmt::format("the geometry video is of level {}; export 1 to {}, not {}", header.level,
+                                   header.level, options_.level));
+  report_.frames = static_cast<std::size_t>(count());
+  for (int i = options_.first_frame; i < options_.end_frame; ++i)
+    if (header.statuses[static_cast<std::size_t>(i)].interpolated) ++report_.interpolated;
+}
+
+GeometryImage ClipExport::read(int index) {
+  if (options_.stop.stop_requested())
+    throw std::system_error(std::make_error_code(std::errc::operation_canceled), "export");
+  auto image = video_.read(options_.first_frame + index, options_.level);
+  if (options_.progress) options_.progress(static_cast<std::size_t>(index) + 1, report_.frames);
+  return image;
+}
+
+std::string ClipExport::frame_name(int index, const char* extension) const {
+  const auto number = video_.header().first_frame + options_.first_frame + index;
+  return capture::frame_file_name(static_cast<std::size_t>(number), extension);
+}
+
+void ClipExport::set_surface(std::size_t vertices, std::size_t triangles) {
+  report_.vertices = vertices;
+  report_.triangles = triangles;
+}
+
+void ClipExport::written(const std::filesystem::path& file) {
+  ++report_.files;
+  report_.bytes += std::filesystem::file_size(file);
+}
+
+std::vector<Eigen::Vector3f> y_up(const std::vector<Eigen::Vector3f>& vectors) {
+  std::vector<Eigen::Vector3f> turned;
+  turned.reserve(vectors.size());
+  for (const auto& v : vectors) turned.push_back(y_up(v));
+  return turned;
+}
+
+std::vector<Eigen::Vector2f> texture_coordinates(int level, int colour_level) {
+  const int side = lattice_side(level), stride = 1 << (colour_level - level);
+  const auto at = [&](int i) {
+    return (static_cast<float>(i * stride) + 0.5F) / static_cast<float>(lattice_side(colour_level));
+  };
+  std::vector<Eigen::Vector2f> coordinates;
+  for (int y = 0; y < side; ++y)
+    for (int x = 0; x < side; ++x) coordinates.emplace_back(at(x), at(y));
+  return coordinates;
+}
+
+void write_text(const std::filesystem::path& file, const std::string& text) {
+  write_whole(file, [&](const std::filesystem::path& part) {
+    errno = 0;
+    std::ofstream out(part, std::ios::binary);
+    out << text << std::flush;
+    if (!out) throw std::system_error(errno ? errno : EIO, std::generic_category(), "writing " + file.string());
+  });
+}
+
+ClipExportReport export_clip(GeometryVideoReader& video, const ClipExportOptions& options) {
+  ClipExport clip(video, options);
+  const auto folder = options.format == ClipFormat::glb ? options.output.parent_path() : options.output;
+  if (!folder.empty()) std::filesystem::create_directories(folder);
+  switch (options.format) {
+    case ClipFormat::glb:
+      export_glb(clip);
+      break;
+    case ClipFormat::obj:
+      export_obj(clip);
+      break;
+    case ClipFormat::ply:
+      export_ply(clip);
+      break;
+    case ClipFormat::vat:
+      export_vat(clip);
+      break;
+  }
+  return clip.report();
+}
+
+}  // namespace rotunda::recon

@@ -1,0 +1,68 @@
+#pragma once
+// Private to recon/export: what the formats share.
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include "recon/export/clip_export.h"
+
+namespace rotunda::recon {
+
+// One exporting of a clip: its options checked and filled in, frames read in order, files counted.
+class ClipExport {
+ public:
+  ClipExport(GeometryVideoReader& video, const ClipExportOptions& options);
+
+  int count() const { return options_.end_frame - options_.first_frame; }
+  int level() const { return options_.level; }
+  int colour_level() const { return video_.header().colour_level; }
+  bool morph() const { return options_.morph; }
+  double fps() const { return video_.header().fps; }
+  const std::filesystem::path& output() const { return options_.output; }
+
+  GeometryImage read(int index);  // counted from the first exported frame; tells progress, throws when stopped
+  std::string frame_name(int index, const char* extension) const;  // frame000012.obj
+  void set_surface(std::size_t vertices, std::size_t triangles);
+  void written(const std::filesystem::path& file);
+  const ClipExportReport& report() const { return report_; }
+
+ private:
+  GeometryVideoReader& video_;
+  ClipExportOptions options_;
+  ClipExportReport report_;
+};
+
+void export_glb(ClipExport& clip);
+void export_obj(ClipExport& clip);
+void export_ply(ClipExport& clip);
+void export_vat(ClipExport& clip);
+
+// World, z up, to glTF's frame: y up, the performer still faces the same way round.
+inline Eigen::Vector3f y_up(const Eigen::Vector3f& v) {
+  return {v.x(), v.z(), -v.y()};
+}
+std::vector<Eigen::Vector3f> y_up(const std::vector<Eigen::Vector3f>& vectors);
+
+// Where the samples of a level lie in the colour image, raster order: middles of pixels, from the top left, 0 to 1.
+std::vector<Eigen::Vector2f> texture_coordinates(int level, int colour_level);
+
+// Writes with `write(path)` under another name (of the same extension) and renames; what fails leaves nothing.
+template <class Write>
+void write_whole(const std::filesystem::path& file, const Write& write) {
+  const auto part = file.parent_path() / ("." + file.filename().string());
+  try {
+    write(part);
+    std::filesystem::rename(part, file);
+  } catch (...) {
+    std::error_code ignored;  // the first failure is the one to tell
+    std::filesystem::remove(part, ignored);
+    throw;
+  }
+}
+void write_text(const std::filesystem::path& file, const std::string& text);
+
+}  // namespace rotunda::recon

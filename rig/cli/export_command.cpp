@@ -1,0 +1,86 @@
+// rotunda export: geometry videos for other programs.
+#include <fmt/format.h>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "config/errors.h"
+#include "config/exit_code.h"
+#include "config/progress.h"
+#include "recon/export/clip_export.h"
+#include "rig/cli/clip_choice.h"
+#include "rig/cli/command_line.h"
+
+namespace rotunda::rig {
+namespace {
+
+const std::map<std::string, recon::ClipFormat> kFormats{{"glb", recon::ClipFormat::glb},
+                                                        {"obj", recon::ClipFormat::obj},
+                                                        {"ply", recon::ClipFormat::ply},
+                                                        {"vat", recon::ClipFormat::vat}};
+
+struct ExportArguments {
+  std::string clip, format, frames;
+  recon::ClipExportOptions options;
+};
+
+void tell(const recon::ClipExportReport& report, const recon::ClipExportOptions& options, bool as_json) {
+  if (as_json) {
+    fmt::print("{}\n", nlohmann::json{{"output", options.output.string()},
+                                      {"frames", report.frames},
+                                      {"interpolated", report.interpolated},
+                                      {"vertices", report.vertices},
+                                      {"triangles", report.triangles},
+                                      {"files", report.files},
+                                      {"bytes", report.bytes}}
+                           .dump(2));
+    return;
+  }
+  fmt::print("{}: {} frames of {} vertices, {} triangles, {:.1f} MB in {} file(s)\n", options.output.string(),
+             report.frames, report.vertices, report.triangles, static_cast<double>(report.bytes) / 1e6, report.files);
+  if (report.interpolated > 0)
+    fmt::print("{} frames could not be reconstructed and are made from their neighbours\n", report.interpolated);
+}
+
+int export_video(const CommandLine& line, ExportArguments arguments, std::stop_token stop) {
+  auto& options = arguments.options;
+  recon::GeometryVideoReader video(find_video(line, arguments.clip));
+  options.format = kFormats.at(arguments.format);
+  if (options.morph && options.format != recon::ClipFormat::glb) throw InvalidInput("--morph is for --to glb");
+  std::tie(options.first_frame, options.end_frame) = chosen_frames(arguments.frames, std::nullopt, video.header());
+  options.stop = std::move(stop);
+  recon::ClipExportReport report;
+  {
+    Progress bar("export " + arguments.format);
+    options.progress = [&](std::size_t done, std::size_t total) { bar.update(done, total); };
+    report = recon::export_clip(video, options);
+  }
+  tell(report, options, line.json);
+  return kDone;
+}
+
+}  // namespace
+
+void add_export_command(CommandLine& line) {
+  auto arguments = std::make_shared<ExportArguments>();
+  auto* app = line.app.add_subcommand("export", "writes a geometry video for Blender, Unreal, Unity and others");
+  app->add_option("clip", arguments->clip, "a take, by name or path, or a geometry video's file")->required();
+  app->add_option("--to", arguments->format,
+                  "glb (one file, animated), obj or ply (a file a frame), vat (vertex animation texture)")
+      ->required()
+      ->check(CLI::IsMember({"glb", "obj", "ply", "vat"}));
+  app->add_option("-o,--output", arguments->options.output, "FILE.glb; for the others a folder")->required();
+  app->add_option("--frames", arguments->frames, "A:B, half-open, counted from 0");
+  app->add_option("--level", arguments->options.level, "(2^level + 1)^2 vertices; else as fine as the geometry video")
+      ->check(CLI::Range(1, 12));
+  app->add_flag("--morph", arguments->options.morph,
+                "glb: one mesh with a morph target a frame, the first frame's colours for all");
+  app->footer(
+      "Examples:\n  rotunda export demo --to glb --level 7 -o demo.glb\n"
+      "  rotunda export demo --to obj --frames 0:25 -o demo-obj");
+  app->callback([&line, arguments] {
+    line.run = [&line, arguments](std::stop_token stop) { return export_video(line, *arguments, std::move(stop)); };
+  });
+}
+
+}  // namespace rotunda::rig
