@@ -21,9 +21,9 @@ struct FacePoint {
 // Warmer where blood shows, darker in the hollows of the eyes.
 Vector3d complexion(const FacePoint& f, Vector3d colour) {
   const Vector3d warm(1.0, 0.80, 0.78), deep(0.80, 0.72, 0.74);
-  const double cheek = disc(f.side - 0.043, (f.q.z() - 1.603) * 1.2, 0.008, 0.028);
+  const double cheek = disc(f.side - 0.045, (f.q.z() - 1.602) * 1.2, 0.006, 0.034);
   const double nose = disc(f.q.y(), f.q.z() - 1.602, 0.007, 0.014) * step_up(f.q.x() - 0.090, 0.01);
-  colour = mix(colour, colour.cwiseProduct(warm), f.look.blush * (0.75 * cheek + 0.65 * nose));
+  colour = mix(colour, colour.cwiseProduct(warm), f.look.blush * (0.40 * cheek + 0.28 * nose));
   const double socket = disc((f.side - 0.0300) * 0.75, f.q.z() - 1.6330, 0.0065, 0.0080);
   colour = mix(colour, colour.cwiseProduct(deep), 0.50 * socket);
   const double inner = disc(f.side - 0.0170, f.q.z() - 1.6385, 0.003, 0.008);
