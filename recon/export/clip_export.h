@@ -8,6 +8,9 @@
 //   vat  a folder: a vertex animation texture laid out as OpenVAT does: NAME.glb, NAME_vat.png, NAME_vnrm.png (16
 //   bits),
 //        NAME-remap_info.json, NAME_colour/frame000012.png; NAME is the folder's. y up.
+// and geometry videos of other profiles, one file each:
+//   master, float, stream  (geometry_video.h); what is streamed is filtered along time first (temporal_filter.h)
+//   paper                  the paper's AVI and, beside it, its JSON (paper_video.h)
 // Numbers in file names are the take's. Surfaces that were interpolated are written like the others and counted.
 #include <cstddef>
 #include <cstdint>
@@ -19,11 +22,11 @@
 
 namespace rotunda::recon {
 
-enum class ClipFormat { glb, obj, ply, vat };
+enum class ClipFormat { glb, obj, ply, vat, master, float32, stream, paper };
 
 struct ClipExportOptions {
   ClipFormat format = ClipFormat::glb;
-  std::filesystem::path output;  // glb: the file; else the folder, made if it is not there
+  std::filesystem::path output;  // obj, ply, vat: the folder, made if it is not there; else the file
   int first_frame = 0;           // of the video, counted from 0 ...
   int end_frame = 0;             // ... half-open; 0: all
   int level = 0;                 // (2^level + 1)^2 samples; 0: the video's own

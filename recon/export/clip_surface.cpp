@@ -33,7 +33,8 @@ GeometryImage ClipExport::read(int index) {
   if (options_.stop.stop_requested())
     throw std::system_error(std::make_error_code(std::errc::operation_canceled), "export");
   auto image = video_.read(options_.first_frame + index, options_.level);
-  if (options_.progress) options_.progress(static_cast<std::size_t>(index) + 1, report_.frames);
+  ++read_;
+  if (options_.progress) options_.progress(read_, report_.frames * static_cast<std::size_t>(passes_));
   return image;
 }
 
@@ -81,7 +82,9 @@ void write_text(const std::filesystem::path& file, const std::string& text) {
 
 ClipExportReport export_clip(GeometryVideoReader& video, const ClipExportOptions& options) {
   ClipExport clip(video, options);
-  const auto folder = options.format == ClipFormat::glb ? options.output.parent_path() : options.output;
+  const bool is_folder =
+      options.format == ClipFormat::obj || options.format == ClipFormat::ply || options.format == ClipFormat::vat;
+  const auto folder = is_folder ? options.output : options.output.parent_path();
   if (!folder.empty()) std::filesystem::create_directories(folder);
   switch (options.format) {
     case ClipFormat::glb:
@@ -95,6 +98,18 @@ ClipExportReport export_clip(GeometryVideoReader& video, const ClipExportOptions
       break;
     case ClipFormat::vat:
       export_vat(clip);
+      break;
+    case ClipFormat::master:
+      export_video(clip, VideoProfile::master);
+      break;
+    case ClipFormat::float32:
+      export_video(clip, VideoProfile::float32);
+      break;
+    case ClipFormat::stream:
+      export_video(clip, VideoProfile::stream);
+      break;
+    case ClipFormat::paper:
+      export_paper(clip);
       break;
   }
   return clip.report();

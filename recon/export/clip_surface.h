@@ -24,7 +24,15 @@ class ClipExport {
   double fps() const { return video_.header().fps; }
   const std::filesystem::path& output() const { return options_.output; }
 
-  GeometryImage read(int index);  // counted from the first exported frame; tells progress, throws when stopped
+  // How often every frame will be read, for the progress.
+  void set_passes(int passes) { passes_ = passes; }
+  // Counted from the first exported frame; tells progress, throws when stopped.
+  GeometryImage read(int index);
+  const GeometryVideoHeader& header() const { return video_.header(); }
+  int first_frame() const { return options_.first_frame; }  // of the video
+  const Eigen::Vector3d& root(int index) const {
+    return header().root_path[static_cast<std::size_t>(first_frame() + index)];
+  }
   std::string frame_name(int index, const char* extension) const;  // frame000012.obj
   void set_surface(std::size_t vertices, std::size_t triangles);
   void written(const std::filesystem::path& file);
@@ -34,12 +42,16 @@ class ClipExport {
   GeometryVideoReader& video_;
   ClipExportOptions options_;
   ClipExportReport report_;
+  int passes_ = 1;
+  std::size_t read_ = 0;
 };
 
 void export_glb(ClipExport& clip);
 void export_obj(ClipExport& clip);
 void export_ply(ClipExport& clip);
 void export_vat(ClipExport& clip);
+void export_video(ClipExport& clip, VideoProfile profile);
+void export_paper(ClipExport& clip);
 
 // World, z up, to glTF's frame: y up, the performer still faces the same way round.
 inline Eigen::Vector3f y_up(const Eigen::Vector3f& v) {

@@ -1,9 +1,9 @@
 #pragma once
-// Geometry video (Briceno et al. 2003; ALGORITHMS step 7): a sequence of geometry images in one Matroska file. Stream 0
-// position (FFV1 yuv444p16: x, y, z as the three planes, 16 bits over the sequence's own box), stream 1 colour (FFV1
-// RGB), stream 2 coverage (FFV1 grey), and the JSON header as an attachment before the first frame. Positions are
-// stored without the root's translation, which stands in the header frame by frame. Metres, world frame, z up.
-// Normals are not stored: they are read off the lattice. A file cut short keeps all frames before the cut.
+// Geometry video (Briceno et al. 2003; ALGORITHMS step 7): a sequence of geometry images in one Matroska file: streams
+// of positions, colours and coverage, and the JSON header as an attachment before the first frame. How they are coded
+// is the profile; a checksum in every frame of every stream. Positions are stored without the root's translation, which
+// stands in the header frame by frame. Metres, world frame, z up. Normals are not stored: they are read off the
+// lattice. A file cut short keeps all frames before the cut.
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <cstdint>
@@ -11,6 +11,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "recon/sphere/geometry_image.h"
@@ -22,13 +23,22 @@ struct FrameStatus {
   std::string reason;         // why, for people; empty for a mapped frame
 };
 
+enum class VideoProfile {
+  master,   // positions: 16 bits over the sequence's own box; all streams lossless, every frame on its own (FFV1)
+  float32,  // positions: the floats' own bits, in two streams; else as master
+  stream,   // for sending: 12 bits of what positions differ from their mean over the sequence; lossy (HEVC)
+};
+std::string_view to_string(VideoProfile profile);  // "master", "float", "stream"
+
 struct GeometryVideoHeader {
-  int version = 1;
+  int version = 1;  // as read; what is written has 1 for master, 2 for the others
+  VideoProfile profile = VideoProfile::master;
   int level = 8;         // positions: (2^level + 1)^2
   int colour_level = 8;  // colours and coverage
   double fps = 25.0;
   std::int64_t first_frame = 0;            // the take's number of frame 0
   Eigen::AlignedBox3d box;                 // of all positions relative to their frame's root, metres
+  Eigen::AlignedBox3d difference_box;      // stream: of these minus their sequence's mean
   std::vector<Eigen::Vector3d> root_path;  // per frame, world, metres
   std::vector<FrameStatus> statuses;       // per frame
 
@@ -51,7 +61,9 @@ GeometryVideoHeader header_from_json(const std::string& json);
 // few frames) and std::system_error.
 class GeometryVideoWriter {
  public:
-  GeometryVideoWriter(const std::filesystem::path& file, const GeometryVideoHeader& header);
+  // mean: profile stream alone: of each sample over the sequence, relative to the root, inside the box.
+  GeometryVideoWriter(const std::filesystem::path& file, const GeometryVideoHeader& header,
+                      const std::vector<Eigen::Vector3f>& mean = {});
   ~GeometryVideoWriter();
   GeometryVideoWriter(const GeometryVideoWriter&) = delete;
   GeometryVideoWriter& operator=(const GeometryVideoWriter&) = delete;

@@ -10,7 +10,6 @@
 namespace rotunda::recon {
 namespace {
 
-constexpr int kVersion = 1;
 constexpr int kFinestLevel = 12;        // 4097 samples a side
 constexpr double kLargestExtent = 1e4;  // metres; footage from elsewhere may have its own unit
 constexpr std::size_t kMostFrames = 10'000'000;
@@ -31,6 +30,22 @@ Eigen::Vector3d vector_of(const json& j, const char* what) {
   if (!v.allFinite() || v.cwiseAbs().maxCoeff() > kLargestExtent)
     corrupt(fmt::format("{} ({}, {}, {}) is no place", what, v.x(), v.y(), v.z()));
   return v;
+}
+
+Eigen::AlignedBox3d box_of(const json& j, const std::string& key) {
+  const Eigen::AlignedBox3d box(vector_of(j.at(key).at("min"), "box min"), vector_of(j.at(key).at("max"), "box max"));
+  if ((box.min().array() > box.max().array()).any()) corrupt("the " + key + " is inside out");
+  return box;
+}
+
+json json_of(const Eigen::AlignedBox3d& box) {
+  return {{"min", json_of(Eigen::Vector3d(box.min()))}, {"max", json_of(Eigen::Vector3d(box.max()))}};
+}
+
+VideoProfile profile_of(const std::string& name) {
+  for (const auto profile : {VideoProfile::float32, VideoProfile::stream})
+    if (name == to_string(profile)) return profile;
+  corrupt("unknown profile \"" + name + "\"");
 }
 
 int level_of(const json& j, const char* key) {
@@ -54,9 +69,10 @@ GeometryVideoHeader parse(const json& j) {
   if (j.at("format").get<std::string>() != kFormat) corrupt("this is no geometry video");
   GeometryVideoHeader header;
   header.version = j.at("version").get<int>();
-  if (header.version != kVersion)
-    corrupt(fmt::format("version {}, this program reads version {}; use the program that wrote it", header.version,
-                        kVersion));
+  if (header.version != 1 && header.version != 2)
+    corrupt(
+        fmt::format("version {}, this program reads versions 1 and 2; use the program that wrote it", header.version));
+  if (header.version == 2) header.profile = profile_of(j.at("profile").get<std::string>());
   if (j.at("unit").get<std::string>() != "m") corrupt("unit is not \"m\"");
   header.level = level_of(j, "level");
   header.colour_level = level_of(j, "colour_level");
@@ -64,13 +80,18 @@ GeometryVideoHeader parse(const json& j) {
   header.fps = j.at("fps").get<double>();
   if (!(header.fps > 0.0 && header.fps <= 1000.0)) corrupt(fmt::format("rate of {} frames/s", header.fps));
   header.first_frame = j.at("first_frame").get<std::int64_t>();
-  header.box = {vector_of(j.at("box").at("min"), "box min"), vector_of(j.at("box").at("max"), "box max")};
-  if ((header.box.min().array() > header.box.max().array()).any()) corrupt("the box is inside out");
+  header.box = box_of(j, "box");
+  if (header.profile == VideoProfile::stream) header.difference_box = box_of(j, "difference_box");
   read_frames(j.at("frames"), header);
   return header;
 }
 
 }  // namespace
+
+std::string_view to_string(VideoProfile profile) {
+  if (profile == VideoProfile::master) return "master";
+  return profile == VideoProfile::float32 ? "float" : "stream";
+}
 
 std::string to_json(const GeometryVideoHeader& header) {
   json frames = json::array();
@@ -80,15 +101,17 @@ std::string to_json(const GeometryVideoHeader& header) {
     if (!status.reason.empty()) frame["reason"] = status.reason;
     frames.push_back(std::move(frame));
   }
-  const json j = {{"format", kFormat},
-                  {"version", header.version},
-                  {"unit", "m"},
-                  {"level", header.level},
-                  {"colour_level", header.colour_level},
-                  {"fps", header.fps},
-                  {"first_frame", header.first_frame},
-                  {"box", {{"min", json_of(header.box.min())}, {"max", json_of(header.box.max())}}},
-                  {"frames", std::move(frames)}};
+  json j = {{"format", kFormat},
+            {"version", header.profile == VideoProfile::master ? 1 : 2},
+            {"unit", "m"},
+            {"level", header.level},
+            {"colour_level", header.colour_level},
+            {"fps", header.fps},
+            {"first_frame", header.first_frame},
+            {"box", json_of(header.box)},
+            {"frames", std::move(frames)}};
+  if (header.profile != VideoProfile::master) j["profile"] = to_string(header.profile);
+  if (header.profile == VideoProfile::stream) j["difference_box"] = json_of(header.difference_box);
   return j.dump(1, ' ', false, json::error_handler_t::replace);
 }
 

@@ -1,10 +1,14 @@
 #include <fmt/format.h>
 
+#include <cstring>
+#include <opencv2/imgproc.hpp>
+
 #include "config/errors.h"
 #include "recon/video/geometry_video.h"
 #include "recon/video/geometry_video_streams.h"
 #include "recon/video/lattice_normals.h"
 #include "recon/video/media_file.h"
+#include "recon/video/position_coding.h"
 
 namespace rotunda::recon {
 namespace {
@@ -19,19 +23,14 @@ GeometryVideoHeader read_header(const MediaReader& media, const std::filesystem:
   }
 }
 
-std::vector<Eigen::Vector3f> dequantise(const std::vector<cv::Mat>& planes, const Eigen::AlignedBox3d& box,
-                                        const Eigen::Vector3d& root, int stride) {
-  const Eigen::Vector3d low = box.min() + root, metres_per_step = box.sizes() / 65535.0;
-  std::vector<Eigen::Vector3f> positions;
-  positions.reserve(planes[0].total() / static_cast<std::size_t>(stride * stride));
-  for (int row = 0; row < planes[0].rows; row += stride) {
-    const auto *x = planes[0].ptr<std::uint16_t>(row), *y = planes[1].ptr<std::uint16_t>(row),
-               *z = planes[2].ptr<std::uint16_t>(row);
-    for (int column = 0; column < planes[0].cols; column += stride)
-      positions.emplace_back(
-          (low + metres_per_step.cwiseProduct(Eigen::Vector3d(x[column], y[column], z[column]))).cast<float>());
-  }
-  return positions;
+// Of the planes Y, Cb, Cr.
+std::vector<Colour> colours_of_ycbcr(const std::vector<cv::Mat>& planes) {
+  cv::Mat mixed, rgb;
+  cv::merge(std::vector<cv::Mat>{planes[0], planes[2], planes[1]}, mixed);
+  cv::cvtColor(mixed, rgb, cv::COLOR_YCrCb2RGB);
+  std::vector<Colour> colours(rgb.total());
+  std::memcpy(colours.data(), rgb.data, colours.size() * sizeof(Colour));
+  return colours;
 }
 
 std::vector<Colour> colours_of(const cv::Mat& bgr0) {
@@ -44,13 +43,24 @@ std::vector<Colour> colours_of(const cv::Mat& bgr0) {
   return colours;
 }
 
+PositionCoding read_coding(const MediaReader& media, const GeometryVideoHeader& header,
+                           const std::filesystem::path& file) {
+  try {
+    return PositionCoding(header, media.attachment(kMeanMimeType));
+  } catch (const CorruptData& error) {
+    throw CorruptData(file, 0, error.what());
+  }
+}
+
 }  // namespace
 
 struct GeometryVideoReader::State {
   MediaReader media;
   GeometryVideoHeader header;
+  PositionCoding positions;
 
-  explicit State(const std::filesystem::path& file) : media(file), header(read_header(media, file)) {
+  explicit State(const std::filesystem::path& file)
+      : media(file), header(read_header(media, file)), positions(read_coding(media, header, file)) {
     media.expect(geometry_video_streams(header), header.fps);
   }
 
@@ -63,10 +73,10 @@ struct GeometryVideoReader::State {
     const Eigen::Vector3d root = in_place ? Eigen::Vector3d::Zero() : header.root_path[static_cast<std::size_t>(frame)];
     GeometryImage image;
     image.level = level;
-    image.positions = dequantise(pictures[0], header.box, root, 1 << (header.level - level));
+    image.positions = positions.decode(pictures, root, 1 << (header.level - level));
     image.normals = lattice_normals(image.positions, level);
     image.colour_level = header.colour_level;
-    image.colours = colours_of(pictures[1][0]);
+    image.colours = header.profile == VideoProfile::stream ? colours_of_ycbcr(pictures[1]) : colours_of(pictures[1][0]);
     image.coverage.assign(pictures[2][0].datastart, pictures[2][0].dataend);
     return image;
   }

@@ -1,6 +1,6 @@
 #pragma once
 // The layout of a geometry video's file, for its writer and its reader.
-#include <array>
+#include <vector>
 
 #include "recon/video/geometry_video.h"
 #include "recon/video/media_file.h"
@@ -8,11 +8,21 @@
 namespace rotunda::recon {
 
 inline constexpr const char* kHeaderMimeType = "application/json";
+inline constexpr const char* kMeanMimeType = "application/octet-stream";  // FFmpeg shows pictures as video
 
-inline std::array<VideoStream, 3> geometry_video_streams(const GeometryVideoHeader& header) {
+// The first is (the upper half of) positions, then colours, coverage, and the lower half of the floats.
+inline std::vector<VideoStream> geometry_video_streams(const GeometryVideoHeader& header) {
   const int side = (1 << header.level) + 1, colour_side = (1 << header.colour_level) + 1;
-  return {lossless_stream("position", "yuv444p16le", side), lossless_stream("colour", "bgr0", colour_side),
-          lossless_stream("coverage", "gray", colour_side)};
+  if (header.profile == VideoProfile::stream)
+    return {hevc_stream("position", "yuv444p12le", side, "qp=0"),
+            hevc_stream("colour", "yuv444p", colour_side, "crf=20"),
+            hevc_stream("coverage", "gray", colour_side, "lossless=1")};
+  std::vector<VideoStream> streams{lossless_stream("position", "yuv444p16le", side),
+                                   lossless_stream("colour", "bgr0", colour_side),
+                                   lossless_stream("coverage", "gray", colour_side)};
+  if (header.profile == VideoProfile::float32)
+    streams.push_back(lossless_stream("position, lower half", "yuv444p16le", side));
+  return streams;
 }
 
 }  // namespace rotunda::recon

@@ -1,42 +1,24 @@
 #include <fmt/format.h>
 
-#include <cmath>
+#include <opencv2/imgproc.hpp>
 
 #include "config/errors.h"
+#include "recon/video/geometry_picture.h"
 #include "recon/video/geometry_video.h"
 #include "recon/video/geometry_video_streams.h"
 #include "recon/video/media_file.h"
+#include "recon/video/position_coding.h"
 
 namespace rotunda::recon {
 namespace {
 
-constexpr double kSteps = 65535.0;
-
-MediaFileOptions media_options(const GeometryVideoHeader& header) {
-  const auto streams = geometry_video_streams(header);
-  return {.container = "matroska",
-          .fps = header.fps,
-          .streams = {streams.begin(), streams.end()},
-          .attachments = {{"geometry.json", kHeaderMimeType, to_json(header)}}};
-}
-
-std::vector<cv::Mat> quantise(const GeometryImage& image, const Eigen::AlignedBox3d& box, const Eigen::Vector3d& root) {
-  const int side = image.side();
-  std::vector<cv::Mat> planes;
-  for (int axis = 0; axis < 3; ++axis) {
-    cv::Mat plane(side, side, CV_16UC1);
-    const double low = box.min()[axis] + root[axis], extent = box.sizes()[axis];
-    const double steps_per_metre = extent > 0.0 ? kSteps / extent : 0.0;
-    auto* step = plane.ptr<std::uint16_t>();
-    for (const Eigen::Vector3f& position : image.positions) {
-      const double value = std::round((static_cast<double>(position[axis]) - low) * steps_per_metre);
-      if (!(value >= -1.0 && value <= kSteps + 1.0))  // one step of slack for rounding; not so for NaN
-        throw InvalidInput("a position lies outside the geometry video's box; was the frame added to the header?");
-      *step++ = static_cast<std::uint16_t>(std::clamp(value, 0.0, kSteps));
-    }
-    planes.push_back(std::move(plane));
-  }
-  return planes;
+MediaFileOptions media_options(const GeometryVideoHeader& header, const std::string& mean_png) {
+  MediaFileOptions options{.container = "matroska",
+                           .fps = header.fps,
+                           .streams = geometry_video_streams(header),
+                           .attachments = {{"geometry.json", kHeaderMimeType, to_json(header)}}};
+  if (!mean_png.empty()) options.attachments.push_back({"mean.png", kMeanMimeType, mean_png});
+  return options;
 }
 
 cv::Mat colour_plane(const GeometryImage& image) {
@@ -46,17 +28,35 @@ cv::Mat colour_plane(const GeometryImage& image) {
   return plane;
 }
 
+// Full range, BT.601; OpenCV puts red before blue.
+std::vector<cv::Mat> ycbcr_planes(const GeometryImage& image) {
+  const cv::Mat rgb = colour_picture(image);
+  cv::Mat mixed;
+  cv::cvtColor(rgb, mixed, cv::COLOR_RGB2YCrCb);
+  std::vector<cv::Mat> planes;
+  cv::split(mixed, planes);
+  std::swap(planes[1], planes[2]);
+  return planes;
+}
+
 }  // namespace
 
 struct GeometryVideoWriter::State {
   GeometryVideoHeader header;
+  PositionCoding positions;
   MediaWriter media;
   int written = 0;
 };
 
-GeometryVideoWriter::GeometryVideoWriter(const std::filesystem::path& file, const GeometryVideoHeader& header) {
+GeometryVideoWriter::GeometryVideoWriter(const std::filesystem::path& file, const GeometryVideoHeader& header,
+                                         const std::vector<Eigen::Vector3f>& mean) {
+  constexpr int kCoarsestStream = 6;  // a HEVC picture holds at least one block of 64 x 64
+  if (header.profile == VideoProfile::stream && header.level < kCoarsestStream)
+    throw InvalidInput(
+        fmt::format("a geometry video to be streamed has at least level {}, not {}", kCoarsestStream, header.level));
   static_cast<void>(header_from_json(to_json(header)));  // what we write, we can read
-  state_.reset(new State{header, {file, media_options(header)}, 0});
+  const auto mean_png = header.profile == VideoProfile::stream ? encode_mean(header, mean) : std::string();
+  state_.reset(new State{header, PositionCoding(header, mean_png), {file, media_options(header, mean_png)}, 0});
 }
 
 GeometryVideoWriter::~GeometryVideoWriter() = default;
@@ -73,12 +73,18 @@ void GeometryVideoWriter::write(const GeometryImage& image) {
     throw InvalidInput(fmt::format("frame {} of the geometry video is not of level {} with colours of level {}",
                                    state_->written, header.level, header.colour_level));
   const auto& root = header.root_path[static_cast<std::size_t>(state_->written)];
-  state_->media.write(0, quantise(image, header.box, root));
-  const cv::Mat colours = colour_plane(image);
-  state_->media.write(1, std::span(&colours, 1));
+  const auto positions = state_->positions.encode(image.positions, root);
+  state_->media.write(0, positions[0]);
+  if (header.profile == VideoProfile::stream) {
+    state_->media.write(1, ycbcr_planes(image));
+  } else {
+    const cv::Mat colours = colour_plane(image);
+    state_->media.write(1, std::span(&colours, 1));
+  }
   const cv::Mat coverage(image.colour_side(), image.colour_side(), CV_8UC1,
                          const_cast<std::uint8_t*>(image.coverage.data()));  // cv::Mat has no view of const pixels
   state_->media.write(2, std::span(&coverage, 1));
+  if (positions.size() > 1) state_->media.write(3, positions[1]);
   ++state_->written;
 }
 

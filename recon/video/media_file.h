@@ -37,6 +37,10 @@ struct MediaFileOptions {
 // Lossless, every frame on its own, a checksum for every slice: what masters are kept in.
 VideoStream lossless_stream(std::string title, std::string pixel_format, int side);
 
+// HEVC without pictures from the future (what goes in comes out at once), a key frame every 25, a checksum for every
+// picture; 64 pixels a side or more. quality as x265 has it: "qp=0", "crf=20", "lossless=1".
+VideoStream hevc_stream(std::string title, std::string pixel_format, int side, const std::string& quality);
+
 // Writes beside the target and takes its name in finish(); destroyed before that, nothing is left on disk.
 // Throws std::system_error with the file's name when the disk does not take it.
 class MediaWriter {
@@ -54,7 +58,8 @@ class MediaWriter {
   std::unique_ptr<Output> output_;
 };
 
-// Any frame of files whose every frame stands on its own; cheapest in order. Throws std::system_error if the file
+// Any frame, of streams without pictures from the future; cheapest in order. Pictures that stand on others are found
+// from the key frame before them. Throws std::system_error if the file
 // cannot be opened, CorruptData with file, offset and what is wrong.
 class MediaReader {
  public:

@@ -50,6 +50,16 @@ std::vector<cv::Mat> planes_of(const AVFrame& frame) {
   return copies;
 }
 
+// What an encoder makes: "libx265" makes "hevc".
+std::string codec_name(const std::string& encoder) {
+  const AVCodec* codec = avcodec_find_encoder_by_name(encoder.c_str());
+  return codec ? avcodec_get_name(codec->id) : encoder;
+}
+
+bool stands_alone(const VideoStream& stream) {
+  return stream.codec == "ffv1" || stream.codec == "rawvideo";
+}
+
 capture::AvCodec open_decoder(const AVStream& stream, const std::string& file) {
   capture::AvCodec decoder = capture::make_decoder(avcodec_get_name(stream.codecpar->codec_id));
   capture::check(avcodec_parameters_to_context(decoder.get(), stream.codecpar), file + ": stream parameters");
@@ -154,10 +164,11 @@ void MediaReader::expect(std::span<const VideoStream> streams, double fps) {
     if (stream->codecpar->codec_type != AVMEDIA_TYPE_VIDEO) continue;
     const VideoStream& wanted = streams[found++];
     const std::string codec = avcodec_get_name(stream->codecpar->codec_id);
-    if (codec != wanted.codec || stream->codecpar->width != wanted.width || stream->codecpar->height != wanted.height)
+    if (codec != codec_name(wanted.codec) || stream->codecpar->width != wanted.width ||
+        stream->codecpar->height != wanted.height)
       input_->corrupt(fmt::format("stream {} is {} {} x {}, expected {} {} x {}", wanted.title, codec,
-                                  stream->codecpar->width, stream->codecpar->height, wanted.codec, wanted.width,
-                                  wanted.height));
+                                  stream->codecpar->width, stream->codecpar->height, codec_name(wanted.codec),
+                                  wanted.width, wanted.height));
     input_->streams.push_back({open_decoder(*stream, input_->file.string()), stream, wanted});
   }
   if (found < streams.size()) input_->corrupt("stream " + streams[found].title + " is missing");
@@ -172,7 +183,10 @@ std::vector<std::vector<cv::Mat>> MediaReader::read(std::int64_t index) {
     StreamInput* stream = in.next_packet();
     if (!stream) in.corrupt(fmt::format("frame {} is missing; the file is cut short", index));
     const std::int64_t found = in.frame_index(*stream);
-    if (found < index) continue;
+    if (found < index) {
+      if (!stands_alone(stream->expected)) in.decode(*stream, found);  // what comes after needs it
+      continue;
+    }
     auto& picture = pictures[static_cast<std::size_t>(stream - in.streams.data())];
     if (found > index || !picture.empty()) in.corrupt(fmt::format("frame {} is missing", index));
     picture = in.decode(*stream, index);

@@ -43,9 +43,10 @@ capture::AvCodec open_encoder(const VideoStream& stream, AVRational rate, bool g
   encoder->pix_fmt = pixel_format_of(stream);
   encoder->time_base = av_inv_q(rate);
   encoder->framerate = rate;
-  if (stream.pixel_format == "yuv420p") {  // OpenCV's conversion is that of BT.601, 16 to 235
+  if (stream.pixel_format == "yuv420p" || stream.pixel_format == "yuv444p") {  // OpenCV's conversions are BT.601's ...
     encoder->colorspace = AVCOL_SPC_SMPTE170M;
-    encoder->color_range = AVCOL_RANGE_MPEG;
+    encoder->color_range =
+        stream.pixel_format == "yuv420p" ? AVCOL_RANGE_MPEG : AVCOL_RANGE_JPEG;  // ... 16 to 235 here
   }
   if (global_header) encoder->flags |= AV_CODEC_FLAG_GLOBAL_HEADER;
   AVDictionary* options = dictionary_of(stream.codec_options);
@@ -117,6 +118,17 @@ VideoStream lossless_stream(std::string title, std::string pixel_format, int sid
           .width = side,
           .height = side,
           .codec_options = {{"level", "3"}, {"slices", "4"}, {"slicecrc", "1"}, {"g", "1"}}};
+}
+
+VideoStream hevc_stream(std::string title, std::string pixel_format, int side, const std::string& quality) {
+  return {.title = std::move(title),
+          .codec = "libx265",
+          .pixel_format = std::move(pixel_format),
+          .width = side,
+          .height = side,
+          .codec_options = {
+              {"preset", "medium"},
+              {"x265-params", quality + ":bframes=0:keyint=25:min-keyint=25:scenecut=0:hash=1:log-level=error"}}};
 }
 
 MediaWriter::MediaWriter(const std::filesystem::path& file, const MediaFileOptions& options)

@@ -14,10 +14,10 @@
 namespace rotunda::rig {
 namespace {
 
-const std::map<std::string, recon::ClipFormat> kFormats{{"glb", recon::ClipFormat::glb},
-                                                        {"obj", recon::ClipFormat::obj},
-                                                        {"ply", recon::ClipFormat::ply},
-                                                        {"vat", recon::ClipFormat::vat}};
+const std::map<std::string, recon::ClipFormat> kFormats{
+    {"glb", recon::ClipFormat::glb},       {"obj", recon::ClipFormat::obj},       {"ply", recon::ClipFormat::ply},
+    {"vat", recon::ClipFormat::vat},       {"master", recon::ClipFormat::master}, {"float", recon::ClipFormat::float32},
+    {"stream", recon::ClipFormat::stream}, {"paper", recon::ClipFormat::paper}};
 
 struct ExportArguments {
   std::string clip, format, frames;
@@ -44,7 +44,10 @@ void tell(const recon::ClipExportReport& report, const recon::ClipExportOptions&
 
 int export_video(const CommandLine& line, ExportArguments arguments, std::stop_token stop) {
   auto& options = arguments.options;
-  recon::GeometryVideoReader video(find_video(line, arguments.clip));
+  const auto source = find_video(line, arguments.clip);
+  recon::GeometryVideoReader video(source);
+  if (std::filesystem::exists(options.output) && std::filesystem::equivalent(options.output, source))
+    throw InvalidInput(options.output.string() + " is the clip itself; give the new file another name");
   options.format = kFormats.at(arguments.format);
   if (options.morph && options.format != recon::ClipFormat::glb) throw InvalidInput("--morph is for --to glb");
   std::tie(options.first_frame, options.end_frame) = chosen_frames(arguments.frames, std::nullopt, video.header());
@@ -66,10 +69,12 @@ void add_export_command(CommandLine& line) {
   auto* app = line.app.add_subcommand("export", "writes a geometry video for Blender, Unreal, Unity and others");
   app->add_option("clip", arguments->clip, "a take, by name or path, or a geometry video's file")->required();
   app->add_option("--to", arguments->format,
-                  "glb (one file, animated), obj or ply (a file a frame), vat (vertex animation texture)")
+                  "glb (one file, animated), obj or ply (a file a frame), vat (vertex animation texture); "
+                  "or a geometry video: master (lossless), float (every bit), stream (small), paper (24-bit AVI)")
       ->required()
-      ->check(CLI::IsMember({"glb", "obj", "ply", "vat"}));
-  app->add_option("-o,--output", arguments->options.output, "FILE.glb; for the others a folder")->required();
+      ->check(CLI::IsMember({"glb", "obj", "ply", "vat", "master", "float", "stream", "paper"}));
+  app->add_option("-o,--output", arguments->options.output, "FILE.glb, FILE.mkv, FILE.avi; obj, ply, vat: a folder")
+      ->required();
   app->add_option("--frames", arguments->frames, "A:B, half-open, counted from 0");
   app->add_option("--level", arguments->options.level, "(2^level + 1)^2 vertices; else as fine as the geometry video")
       ->check(CLI::Range(1, 12));
@@ -77,7 +82,8 @@ void add_export_command(CommandLine& line) {
                 "glb: one mesh with a morph target a frame, the first frame's colours for all");
   app->footer(
       "Examples:\n  rotunda export demo --to glb --level 7 -o demo.glb\n"
-      "  rotunda export demo --to obj --frames 0:25 -o demo-obj");
+      "  rotunda export demo --to obj --frames 0:25 -o demo-obj\n"
+      "  rotunda export demo --to stream -o demo.mkv");
   app->callback([&line, arguments] {
     line.run = [&line, arguments](std::stop_token stop) { return export_video(line, *arguments, std::move(stop)); };
   });

@@ -15,6 +15,7 @@
 #include "config/errors.h"
 #include "recon/mesh/mesh_file.h"
 #include "recon/sphere/octahedral_lattice.h"
+#include "recon/video/paper_video.h"
 #include "tests/unit/round_geometry_image.h"
 
 namespace rotunda::recon {
@@ -253,6 +254,49 @@ TEST_F(ClipExportTest, VertexAnimationTexturePlaysAsItsJsonSays) {
             .at<cv::Vec3b>(0, 7)[2],
         frame);
   }
+}
+
+TEST_F(ClipExportTest, OtherProfilesKeepFramesRatesAndStatuses) {
+  const std::vector<std::pair<ClipFormat, float>> formats{{ClipFormat::master, 3e-5F}, {ClipFormat::float32, 1e-6F}};
+  for (const auto& [format, tolerance] : formats) {
+    export_clip(*video_, {.format = format, .output = folder_ / "other.mkv", .first_frame = 1, .end_frame = 4});
+    GeometryVideoReader other(folder_ / "other.mkv");
+    ASSERT_EQ(other.frame_count(), 3);
+    EXPECT_EQ(other.header().fps, kFps);
+    EXPECT_EQ(other.header().first_frame, kFirst + 1);
+    EXPECT_TRUE(other.header().statuses[1].interpolated);
+    for (int i = 0; i < 3; ++i) {
+      const auto expected = video_->read(i + 1), image = other.read(i);
+      for (std::size_t v = 0; v < image.positions.size(); ++v)
+        ASSERT_LT((image.positions[v] - expected.positions[v]).norm(), tolerance) << static_cast<int>(format);
+    }
+  }
+}
+
+TEST_F(ClipExportTest, StreamOfASteadyMotionStaysWithinTwoMillimetres) {
+  std::vector<GeometryImage> images;
+  for (int i = 0; i < 9; ++i)  // more frames than the filter's
+    images.push_back(test::round_geometry_image(
+        {.level = 6, .colour_level = 6, .centre = {0.02F * static_cast<float>(i), 0.0F, 1.0F}}));
+  write_geometry_video(folder_ / "steady.mkv", images);
+  GeometryVideoReader steady(folder_ / "steady.mkv");
+  export_clip(steady, {.format = ClipFormat::stream, .output = folder_ / "stream.mkv"});
+  GeometryVideoReader stream(folder_ / "stream.mkv");
+  for (const int i : {8, 0, 4}) {
+    const auto read = stream.read(i);
+    for (std::size_t v = 0; v < images[0].positions.size(); ++v)
+      ASSERT_LT((read.positions[v] - images[static_cast<std::size_t>(i)].positions[v]).norm(), 2e-3F) << i;
+  }
+  EXPECT_THROW(run(ClipFormat::stream, "coarse.mkv"), InvalidInput);  // level 4
+  EXPECT_FALSE(fs::exists(folder_ / "coarse.mkv"));
+}
+
+TEST_F(ClipExportTest, PaperModeIsTheAviWithItsJson) {
+  const auto report = run(ClipFormat::paper, "paper.avi");
+  EXPECT_EQ(report.files, 2U);
+  PaperVideoReader paper(folder_ / "paper.avi", folder_ / "paper.json");
+  EXPECT_EQ(paper.header().frame_count(), kFrames);
+  EXPECT_LT((paper.read(2).positions[8 * 17 + 8] - ball(2).positions[8 * 17 + 8]).cwiseAbs().maxCoeff(), 0.0051F);
 }
 
 TEST_F(ClipExportTest, OneFrameIsAMeshWithoutAnimation) {

@@ -184,7 +184,10 @@ TEST_F(GeometryVideo, RefusesAbsurdHeaders) {
       EXPECT_THAT(error.what(), HasSubstr(says)) << to;
     }
   };
-  refused("\"version\": 1", "\"version\": 2", "version 2");
+  refused("\"version\": 1", "\"version\": 3", "version 3");
+  refused("\"version\": 1", "\"version\": 2", "profile");
+  refused("\"version\": 1", "\"version\": 2, \"profile\": \"odd\"", "odd");
+  refused("\"version\": 1", "\"version\": 2, \"profile\": \"stream\"", "difference_box");
   refused("\"level\": 3", "\"level\": -1", "level is -1");
   refused("\"level\": 3", "\"level\": 13", "level is 13");
   refused("\"level\": 3", "\"level\": 9999999999", "level is 9999999999");
@@ -250,6 +253,99 @@ TEST_F(GeometryVideo, NeverGivesWrongPixelsInSilence) {
   }
   EXPECT_GT(refused, 100);
   EXPECT_GT(right, 100);
+}
+
+// The ball as a header of another profile, its mean, and the box of what differs from it.
+struct Profiled {
+  GeometryVideoHeader header;
+  std::vector<Eigen::Vector3f> mean;
+};
+Profiled profiled(const std::vector<GeometryImage>& images, VideoProfile profile) {
+  Profiled result;
+  auto& header = result.header;
+  header.profile = profile;
+  for (const auto& image : images) add_frame(header, image);
+  const auto in_place = [&](std::size_t frame, std::size_t v) -> Eigen::Vector3f {
+    return images[frame].positions[v] - header.root_path[frame].cast<float>();
+  };
+  for (std::size_t v = 0; v < images[0].positions.size(); ++v) {
+    Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+    for (std::size_t frame = 0; frame < images.size(); ++frame) sum += in_place(frame, v);
+    result.mean.emplace_back(sum / static_cast<float>(images.size()));
+    for (std::size_t frame = 0; frame < images.size(); ++frame)
+      header.difference_box.extend((in_place(frame, v) - result.mean.back()).cast<double>());
+  }
+  const Eigen::Vector3d slack = Eigen::Vector3d::Constant(1e-4);
+  header.difference_box = {header.difference_box.min() - slack, header.difference_box.max() + slack};
+  return result;
+}
+
+void write(const std::filesystem::path& file, const std::vector<GeometryImage>& images, VideoProfile profile) {
+  const auto [header, mean] = profiled(images, profile);
+  GeometryVideoWriter writer(file, header, mean);
+  for (const auto& image : images) writer.write(image);
+  writer.finish();
+}
+
+TEST_F(GeometryVideo, OfProfileFloatKeepsWhatFloatsHold) {
+  const auto images = travelling_ball(4);
+  write(file_, images, VideoProfile::float32);
+  GeometryVideoReader reader(file_);
+  EXPECT_EQ(reader.header().profile, VideoProfile::float32);
+  for (const int frame : {3, 0, 1}) {
+    const auto& expected = images[static_cast<std::size_t>(frame)];
+    EXPECT_LT(largest_distance(reader.read(frame), expected), 5e-7F)
+        << frame;  // the root's share of a float's last bit
+    EXPECT_EQ(reader.read(frame).colours, expected.colours);
+  }
+  EXPECT_EQ(reader.read(2, 4).positions.size(), 17U * 17U);
+}
+
+TEST_F(GeometryVideo, OfProfileStreamIsSmallerAndCloseWhicheverFrameComesFirst) {
+  const auto images = travelling_ball(30, 6);  // more than from key frame to key frame
+  write(file_, images, VideoProfile::stream);
+  write(folder_ / "master.mkv", images, VideoProfile::float32);
+  EXPECT_LT(std::filesystem::file_size(file_), std::filesystem::file_size(folder_ / "master.mkv") / 4);
+  GeometryVideoReader reader(file_);
+  for (const int frame : {29, 0, 1, 27, 24, 25, 12}) {
+    const auto& expected = images[static_cast<std::size_t>(frame)];
+    const auto image = reader.read(frame);
+    EXPECT_LT(largest_distance(image, expected), 2e-3F) << frame;
+    EXPECT_EQ(image.coverage, expected.coverage);
+    double error = 0.0;
+    for (std::size_t i = 0; i < image.colours.size(); ++i)
+      for (std::size_t c = 0; c < 3; ++c) error += std::abs(int{image.colours[i][c]} - int{expected.colours[i][c]});
+    EXPECT_LT(error / static_cast<double>(3 * image.colours.size()), 4.0) << frame;  // of 255 levels
+  }
+}
+
+TEST_F(GeometryVideo, OfProfileStreamTellsDamageByItsChecksums) {
+  const auto images = travelling_ball(6, 6);
+  write(file_, images, VideoProfile::stream);
+  std::vector<GeometryImage> whole;
+  {
+    GeometryVideoReader reader(file_);
+    for (int i = 0; i < 6; ++i) whole.push_back(reader.read(i));
+  }
+  const std::string bytes = bytes_of(file_);
+  std::mt19937 random(5);
+  int refused = 0;
+  for (int trial = 0; trial < 40; ++trial) {
+    std::string flipped = bytes;
+    flipped[bytes.size() / 2 + random() % (bytes.size() / 2)] ^= 0x10;  // behind the header and the mean
+    put_bytes(file_, flipped);
+    try {
+      GeometryVideoReader reader(file_);
+      for (int i = 0; i < 6; ++i) {
+        const auto image = reader.read(i);
+        ASSERT_EQ(image.colours, whole[static_cast<std::size_t>(i)].colours);
+        ASSERT_EQ(image.positions, whole[static_cast<std::size_t>(i)].positions);
+      }
+    } catch (const CorruptData&) {
+      ++refused;
+    }
+  }
+  EXPECT_GT(refused, 10);
 }
 
 TEST_F(GeometryVideo, OtherFilesAreRefusedByName) {
