@@ -24,7 +24,7 @@ void read_trigger(CheckedMap& root, TriggerConfig& trigger, Problems& problems) 
   CheckedMap map(node, "trigger", problems);
   map.read<std::string>("mode", trigger.mode, one_of(kTriggerModes), in(kTriggerModes));
   map.read<double>("rate_hz", trigger.rate_hz, "a rate of 0.1 to 1000 Hz", between(0.1, 1000.0));
-  map.read<int>("lead_periods", trigger.lead_periods, "1 to 100 periods", between(1, 100));
+  map.read<int>("lead_periods", trigger.lead_periods, "0 (at the moment itself) to 100 periods", between(0, 100));
   map.read<std::string>("interface", trigger.interface_address,
                         "the IPv4 address of this machine on the cameras' link");
   map.read<std::uint32_t>("device_key", trigger.device_key, "a 32-bit number");

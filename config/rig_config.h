@@ -40,7 +40,7 @@ struct CameraConfig {
 struct TriggerConfig {
   std::string mode = "action";  // action | software | line | freerun
   double rate_hz = 25.0;
-  int lead_periods = 2;                         // a scheduled action is sent this many periods ahead
+  int lead_periods = 2;                         // an action is sent this many periods ahead; 0: carried out on arrival
   std::string interface_address = "127.0.0.1";  // of the link the cameras hang on
   std::uint32_t device_key = 0x524f5455;
   std::uint32_t group_key = 1;

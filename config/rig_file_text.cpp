@@ -43,7 +43,8 @@ std::string trigger_text(const TriggerConfig& trigger) {
       "  mode: {}\n"
       "  # Frame sets a second, 0.1 to 1000. Ten 720 x 576 cameras at 25 fill a 1 Gbit/s link.\n"
       "  rate_hz: {}\n"
-      "  # A scheduled action is sent so many periods ahead, 1 to 100; more for a busy network.\n"
+      "  # A scheduled action is sent so many periods ahead, 1 to 100; more for a busy network. 0: at the moment "
+      "itself.\n"
       "  lead_periods: {}\n"
       "  # IPv4 address of this machine on the cameras' link.\n"
       "  interface: {}\n\n",

@@ -17,11 +17,11 @@ using namespace std::chrono_literals;
 // questions asked of them then wait just as long.
 constexpr std::chrono::nanoseconds kLeastSilence = 1750ms;
 
-capture::TriggerMode ready_to_trigger(CameraFleet& fleet, double rate_hz) {
+capture::TriggerMode ready_to_trigger(CameraFleet& fleet, const config::TriggerConfig& trigger) {
   fleet.agree_on_trigger_mode();
-  fleet.share_links(rate_hz);
+  fleet.share_links(trigger.rate_hz);
   const auto mode = fleet.trigger_mode();
-  if (mode == capture::TriggerMode::action)
+  if (mode == capture::TriggerMode::action && trigger.lead_periods > 0)
     if (const auto problems = capture::ptp_domain_problems(fleet.clocks()); !problems.empty())
       throw DeviceError("rig", fmt::format("scheduled triggers would not be in step: {}", fmt::join(problems, "; ")));
   if (fleet.streaming() > 0) return mode;
@@ -47,8 +47,7 @@ FrameSetStream::FrameSetStream(FrameSetStreamOptions options, CameraFleet& fleet
     : fleet_(fleet),
       cameras_(options.cameras),
       deadline_(std::max<std::chrono::nanoseconds>(options.deadline, 2 * capture::period_of(options.trigger.rate_hz))),
-      trigger_(
-          make_take_trigger(options.trigger, ready_to_trigger(fleet, options.trigger.rate_hz), options.wanted, fleet)),
+      trigger_(make_take_trigger(options.trigger, ready_to_trigger(fleet, options.trigger), options.wanted, fleet)),
       grid_(trigger_->plan()),
       assembler_(assembler_options(cameras_, grid_, trigger_->wanted(), deadline_)),
       sync_(cameras_.size()),

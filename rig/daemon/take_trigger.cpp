@@ -14,7 +14,8 @@ namespace {
 capture::TriggerScheduleOptions schedule_for(const config::TriggerConfig& trigger, capture::TriggerMode mode,
                                              std::optional<std::uint64_t> wanted) {
   const auto now = capture::RigClock::now();
-  if (mode != capture::TriggerMode::action) return capture::immediate_triggers(trigger.rate_hz, wanted, now);
+  if (mode != capture::TriggerMode::action || trigger.lead_periods == 0)
+    return capture::immediate_triggers(trigger.rate_hz, wanted, now);
   auto schedule = capture::scheduled_triggers(trigger.rate_hz, wanted, now);
   schedule.lead = trigger.lead_periods * schedule.grid.period;
   schedule.grid = capture::grid_from(now + schedule.lead + schedule.grid.period, schedule.grid.period);
@@ -80,7 +81,7 @@ class ScheduledTrigger final : public TakeTrigger {
       actions_->send({.device_key = config_.device_key,
                       .group_key = config_.group_key,
                       .group_mask = config_.group_mask,
-                      .at = trigger.at - behind_});
+                      .at = config_.lead_periods > 0 ? std::optional(trigger.at - behind_) : std::nullopt});
     if (mode_ == capture::TriggerMode::software)
       for (const auto& worker : fleet_.workers()) worker->request_software_trigger();
   }

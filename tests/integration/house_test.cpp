@@ -19,11 +19,11 @@ using nlohmann::json;
 std::string rig_text(const SmallRig& rig, const std::string& name) {
   std::string text = fmt::format(
       "name: {0}\ncalibration: {0}.calibration.yaml\n"
-      "trigger: {{ mode: action, rate_hz: {1}, lead_periods: 4, interface: 127.0.0.1 }}\n"
+      "trigger: {{ mode: action, rate_hz: {1}, lead_periods: {8}, interface: 127.0.0.1 }}\n"
       "storage: {{ reserve_mb: {2}, queue_frame_sets: {7} }}\n"
       "camera_defaults: {{ pixel_format: {3}, width: {4}, height: {5}, packet_size: {6} }}\ncameras:\n",
-      name, rig.rate_hz, rig.reserve_mb, rig.pixel_format, kWidth, kHeight, rig.packet_size,
-      rig.queue_frame_sets);
+      name, rig.rate_hz, rig.reserve_mb, rig.pixel_format, kWidth, kHeight, rig.packet_size, rig.queue_frame_sets,
+      rig.lead_periods);
   for (int i = 0; i < rig.cameras; ++i)
     text += fmt::format("  - {{ name: cam{:02}, address: 127.0.0.{} }}\n", i, i + 1);
   return text;

@@ -26,6 +26,7 @@ struct SmallRig {
   int packet_size = 8900;  // bytes, all headers
   double rate_hz = kRate;
   int queue_frame_sets = 50;
+  int lead_periods = 4;
 };
 
 // Programs and files, no network.

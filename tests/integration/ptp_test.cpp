@@ -72,8 +72,8 @@ class Ptp : public StudioTest {
   void put_on_utc(std::size_t camera) {
     (**studio_).add_fault(camera, {.effect = simulator::ClockStep{-capture::kTaiLessUtc}}, {});
   }
-  void serve() {
-    daemon_ = start_daemon(write_rig({.cameras = kCameras}));
+  void serve(int lead_periods = 4) {
+    daemon_ = start_daemon(write_rig({.cameras = kCameras, .lead_periods = lead_periods}));
     wait_for_status([](const json& now) { return camera_states(now) == "streaming streaming streaming"; });
   }
 
@@ -159,6 +159,23 @@ TEST_F(Ptp, CamerasOnTwoTimeScalesAreNotTriggeredTogether) {
   wait_for_status([](const json& now) { return now["warnings"].empty(); });
   EXPECT_EQ(rotunda({"take", "start", "whole", "--frames", std::to_string(kFrameSets)}).exit_code, 0);
   expect_in_step("whole");
+}
+
+TEST_F(Ptp, CamerasWithoutACommonClockAreTriggeredByActionsThatAreCarriedOutOnArrival) {
+  put_on_utc(2);
+  serve(/*lead_periods=*/0);
+  wait_for_status([](const json& now) { return !now["warnings"].empty(); });
+  const auto taken = rotunda({"take", "start", "arrival", "--frames", std::to_string(kFrameSets)});
+  EXPECT_EQ(taken.exit_code, 0) << taken.out << taken.err;
+  EXPECT_EQ(verify("arrival", 0)["complete"], kFrameSets);
+  EXPECT_GT(studio_->clock_steps(2), 0U);
+  const capture::TakeReader take(takes() / "arrival");
+  const auto truth = studio_->exposures();
+  for (const auto& camera : truth) {
+    ASSERT_EQ(camera.size(), static_cast<std::size_t>(kFrameSets));
+    for (std::size_t set = 0; set < camera.size(); ++set)
+      EXPECT_GT(camera[set], take.time_of(set)) << "sent at the moment, not scheduled for it";
+  }
 }
 
 }  // namespace
