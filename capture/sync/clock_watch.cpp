@@ -132,7 +132,8 @@ void ClockWatch::look_at_ptp(ClockState& state) {
   if (const auto offset = read_integer(camera_, names_.offset)) {
     state.offset = nanoseconds(*offset);
     state.error = std::chrono::abs(*state.offset);
-    if (*state.error > options_.ptp_offset_limit)
+    state.settled = *state.error <= options_.ptp_offset_limit;
+    if (!state.settled)
       state.problem = fmt::format(
           "its clock is {:.1f} us from its PTP master's, the limit is {:.1f} us "
           "(trigger.ptp_offset_limit_us); see to the network between them",

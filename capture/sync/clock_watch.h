@@ -29,7 +29,7 @@ struct ClockState {
   std::optional<std::chrono::nanoseconds> offset;  // from its PTP master; of a model: the last reading from the line
   std::optional<std::chrono::nanoseconds> error;   // how wrong a time stamp may be, on top of the offset
   std::chrono::seconds moved{};                    // added to its time stamps because it counts UTC (or we do)
-  bool settled = false;                            // nothing to wait for: Slave, or Master, or without PTP
+  bool settled = false;                            // nothing to wait for: Slave within its limit, Master, or no PTP
   std::string identity, parent, grandmaster;       // PTP clock identities where the camera tells
   std::string problem;                             // what is wrong and what to do; empty: nothing
 };

@@ -71,6 +71,9 @@ TEST(ClockWatch, OlderCamerasHavePtpUnderAnotherName) {
   const auto state = watch.look();
   EXPECT_EQ(state.kind, "ptp slave");
   EXPECT_THAT(state.problem, testing::AllOf(HasSubstr("150.0 us"), HasSubstr("100.0 us"), HasSubstr("ptp_offset")));
+  EXPECT_FALSE(state.settled) << "it is waited for";
+  bench.camera.values["GevIEEE1588OffsetFromMaster"] = "-90000";
+  EXPECT_TRUE(watch.look().settled);
 }
 
 TEST(ClockWatch, UntilItIsSlaveAPtpCameraIsWaitedForAndModelled) {
