@@ -25,6 +25,7 @@ class CameraLoss : public StudioTest {
     studio_.emplace(TestStudioOptions{.cameras = 3, .width = kWidth, .height = kHeight});
     daemon_ = start_daemon(write_rig({.cameras = 3, .rate_hz = kLossRate}));
     wait_for_status([](const json& now) { return camera_states(now) == "streaming streaming streaming"; });
+    ASSERT_EQ(rotunda({"take", "start", "control", "--frames", "10"}).exit_code, 0) << "nothing is lost before";
   }
   // Returns once some of it is on disk.
   std::unique_ptr<ScopedProgram> start_take(const std::string& name, int frame_sets) {
@@ -97,25 +98,43 @@ TEST_F(CameraLoss, WhenAllDieTheTakeIsClosedWithinThreeSecondsAndTheDaemonEndsQu
   EXPECT_LT(std::chrono::steady_clock::now() - asked, 6s) << "one after the other three take seven and more";
 }
 
-// Of the package aravis-tools: another reading of the standard than ours, with a clock that nobody can ask.
-TEST_F(StudioTest, AravisOwnFakeCameraIsRecordedLikeAnyOther) {
+// The slanting ramp it shows, all of it: a pixel is as the one a row below and a column to the left.
+bool is_ramp(const capture::Image& image) {
+  const auto pixels = image.bytes();
+  const auto width = static_cast<std::size_t>(image.width);
+  for (std::size_t i = 1; i + width <= pixels.size(); ++i)
+    if (i % width != 0 && pixels[i] != pixels[i + width - 1]) return false;
+  return pixels.front() != pixels[width / 2];
+}
+
+// Of the package aravis-tools: another reading of the standard than ours, with a clock that nobody can ask. Beside one
+// of ours, as a second kind of device.
+TEST_F(StudioTest, AravisOwnFakeCameraIsRecordedBesideOursLikeAnyOther) {
   const std::string program = "/usr/bin/arv-fake-gv-camera-0.8";
   ASSERT_TRUE(fs::exists(program)) << program << " is not there: apt-get install aravis-tools";
   const ScopedProgram fake({program, "-i", "127.0.0.1", "-s", "GV07"}, folder() / "fake");
+  const TestStudio ours({.cameras = 1, .width = kWidth, .height = kHeight, .first_address = 2});
   const auto rig = folder() / "fake.yaml";
   std::ofstream(rig) << "trigger: { mode: software, rate_hz: 4 }\n"
                         "storage: { reserve_mb: 1 }\n"
                         "cameras:\n"
                         "  - { name: cam00, address: 127.0.0.1, pixel_format: Mono8, width: 256, height: 128,\n"
-                        "      exposure_us: 4000 }\n";
+                        "      exposure_us: 4000 }\n"
+                        "  - { name: cam01, address: 127.0.0.2 }\n";
   const auto daemon = start_daemon(rig);
-  const auto ready = wait_for_status([](const json& now) { return camera_states(now) == "streaming"; });
+  const auto ready = wait_for_status([](const json& now) { return camera_states(now) == "streaming streaming"; });
   EXPECT_EQ(ready["cameras"][0]["serial"], "GV07");
   EXPECT_EQ(ready["cameras"][0]["clock"], "none");
   const auto taken = rotunda({"take", "start", "fake", "--frames", "12"});
   const auto report = verify("fake", taken.exit_code);
   EXPECT_EQ(report["frame_sets"], 12) << taken.out << taken.err;
   EXPECT_GE(report["complete"], 9) << "it leaves out a frame now and then, and does not tell";
+  EXPECT_EQ(report["cameras"][1]["missing"], 0);
+  const capture::TakeReader take(takes() / "fake");
+  for (std::size_t set = 0; set < take.frame_set_count(); ++set) {
+    const auto slot = take.read(set, 0);
+    EXPECT_TRUE(!slot.frame || is_ramp(slot.frame->image)) << "frame set " << set;
+  }
 }
 
 }  // namespace

@@ -43,6 +43,15 @@ TEST_F(Disk, WithoutAFaultEverythingIsWhole) {
   EXPECT_EQ(struck(), 0u);
 }
 
+TEST_F(Disk, IsBroughtUpToDateEverySecondWhileATakeIsRecorded) {
+  const auto daemon = daemon_with("FAILING_DISK_TELLS_SYNCS", "1");
+  constexpr std::size_t kSeconds = 10;
+  EXPECT_EQ(struck(), 0u) << "nothing is recorded yet";
+  const auto frames = std::to_string(kSeconds * static_cast<std::size_t>(kRate));
+  EXPECT_EQ(rotunda({"take", "start", "synced", "--frames", frames}).exit_code, 0);
+  EXPECT_GE(struck(), kCameras * kSeconds / 2) << "half as often at the least, on a machine that is busy elsewhere";
+}
+
 TEST_F(Disk, AWriteErrorEndsTheTakeLoudAndWhatWasWrittenIsValid) {
   const auto daemon = daemon_with("FAILING_DISK_WRITE_AFTER", "100");
   const auto taken = rotunda({"take", "start", "broken", "--frames", "40"});

@@ -3,6 +3,7 @@
    FAILING_DISK_FULL_AFTER=N   likewise with ENOSPC, the first of them after half of its bytes
    FAILING_DISK_SYNC_AFTER=N   the Nth fdatasync and all later ones fail with EIO
    FAILING_DISK_DELAY_US=T     every write takes so much longer
+   FAILING_DISK_TELLS_SYNCS=1  nothing fails, and every fdatasync is told
    FAILING_DISK_TOLD=FILE      gets a byte whenever something was done */
 #define _GNU_SOURCE
 #include <errno.h>
@@ -63,6 +64,7 @@ ssize_t write(int fd, const void* bytes, size_t size) {
 
 int fdatasync(int fd) {
   static long calls;
+  if (is_take_file(fd) && number("FAILING_DISK_TELLS_SYNCS") > 0) tell();
   if (is_take_file(fd) && due("FAILING_DISK_SYNC_AFTER", &calls)) {
     tell();
     errno = EIO;

@@ -320,9 +320,9 @@ TEST_F(GigeCaptureTest, AWrongPixelFormatIsRefusedWithThoseThatWouldDo) {
   EXPECT_EQ(source->state(), SourceState::open);
 }
 
-TEST_F(GigeCaptureTest, OpensBySerialNumberAndByUserName) {
+TEST_F(GigeCaptureTest, OpensBySerialNumberUserNameAndMac) {
   const tests::TestStudio studio({.cameras = 3});
-  for (const char* device : {"RS0002", "cam02"}) {
+  for (const char* device : {"RS0002", "cam02", "02:52:54:00:00:03"}) {
     auto settings = settings_of_all(studio)[2];
     settings.device = device;
     const auto source = make_source(settings);
