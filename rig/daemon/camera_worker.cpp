@@ -1,7 +1,5 @@
 #include "rig/daemon/camera_worker.h"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <pthread.h>
 #include <spdlog/spdlog.h>
 
@@ -11,8 +9,7 @@ namespace rotunda::rig {
 namespace {
 
 using namespace std::chrono_literals;
-constexpr auto kRetryAfter = 2s;  // between attempts to open a camera that does not answer
-constexpr auto kRateOver = 1s;
+constexpr auto kRetryAfter = 2s;   // between attempts to open a camera that does not answer
 constexpr auto kHealthEvery = 1s;  // the camera is asked for its clock and temperature
 constexpr auto kClockPulse = 200ms;
 constexpr auto kAnswersWithin = 1750ms;  // three of GVCP's tries: a camera that is merely busy answers one of them
@@ -59,7 +56,7 @@ void CameraWorker::tell_silence(bool silent) {
   if (!streams_) return;
   probe_wanted_ = silent;
   status_.state = silent ? "lost" : "streaming";
-  tell_health();
+  status_.problem = problems_of(description_, health_, silent_, ailment_);
   wake_.notify_one();
 }
 
@@ -310,48 +307,11 @@ void CameraWorker::refresh_status() {
   streams_ = state == capture::SourceState::streaming;
   status_.state = streams_ && silent_ ? "lost" : std::string(capture::to_string(state));
   if (stats.frames != status_.frames) last_frame_ = std::chrono::steady_clock::now();
-  status_.frames = stats.frames;
-  status_.rate_hz = measured_rate(stats.frames);
-  status_.incomplete = stats.incomplete;
-  status_.dropped = stats.dropped;
-  status_.resend_requests = stats.resend_requests;
-  status_.packet_size = static_cast<std::uint32_t>(stats.packet_size);
-  status_.socket_buffer_bytes = static_cast<std::uint32_t>(stats.socket_buffer_bytes);
-  status_.model = description_.model;
-  status_.serial = description_.serial;
-  status_.address = description_.address;
-  status_.width = static_cast<std::uint32_t>(description_.width);
-  status_.height = static_cast<std::uint32_t>(description_.height);
-  status_.pixel_format = capture::to_string(description_.format);
-  tell_health();
-}
-
-void CameraWorker::tell_health() {
-  const auto& clock = health_.clock;
-  const auto in_us = [](const auto& time) {
-    return time ? std::optional(std::chrono::duration<double, std::micro>(*time).count()) : std::nullopt;
-  };
-  status_.clock = clock.kind.empty() ? std::nullopt : std::optional(clock.kind);
-  status_.clock_offset_us = in_us(clock.offset);
-  status_.clock_error_us = in_us(clock.error);
-  status_.temperature_c = health_.temperature_c;
-  auto problems = description_.warnings;
-  if (silent_) problems.insert(problems.begin(), "sends no pictures though it is triggered; check its cable and power");
-  if (!ailment_.empty()) problems.push_back(ailment_);
-  if (!health_.problem.empty()) problems.push_back(health_.problem);
-  if (!clock.problem.empty()) problems.push_back(clock.problem);
-  status_.problem = fmt::format("{}", fmt::join(problems, "; "));
-}
-
-// Frames a second over the last second or so.
-double CameraWorker::measured_rate(std::uint64_t frames) {
-  const auto now = std::chrono::steady_clock::now();
-  if (!frame_counts_.empty() && frames < frame_counts_.back().second) frame_counts_.clear();  // opened anew
-  frame_counts_.emplace_back(now, frames);
-  while (frame_counts_.size() > 2 && now - frame_counts_[1].first >= kRateOver) frame_counts_.pop_front();
-  const std::chrono::duration<double> span = now - frame_counts_.front().first;
-  if (span < kRateOver / 2) return 0.0;
-  return static_cast<double>(frames - frame_counts_.front().second) / span.count();
+  tell_stats(status_, stats);
+  tell_description(status_, description_);
+  tell_health(status_, health_);
+  status_.rate_hz = rate_.measure(stats.frames, std::chrono::steady_clock::now());
+  status_.problem = problems_of(description_, health_, silent_, ailment_);
 }
 
 void CameraWorker::take_down(const std::string& problem) {
@@ -367,11 +327,8 @@ void CameraWorker::take_down(const std::string& problem) {
     if (std::exchange(silence_ends_, false)) silent_ = false;  // it is lost by its own state, and answers when opened
     status_.rate_hz = 0.0;
     health_ = {};
-    status_.clock.reset();
-    status_.clock_offset_us.reset();
-    status_.clock_error_us.reset();
-    status_.temperature_c.reset();
-    frame_counts_.clear();
+    tell_health(status_, health_);
+    rate_.forget();
   }
   try {
     if (source_->state() == capture::SourceState::streaming) source_->stop();

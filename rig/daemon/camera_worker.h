@@ -3,7 +3,6 @@
 // lost. Nothing else calls the camera, so a camera that does not answer holds up only its own thread.
 #include <chrono>
 #include <condition_variable>
-#include <deque>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -12,6 +11,7 @@
 
 #include "capture/source/source.h"
 #include "rig/client.h"
+#include "rig/daemon/camera_status.h"
 
 namespace rotunda::rig {
 
@@ -65,11 +65,9 @@ class CameraWorker {
   void serve(std::stop_token stop);
   void heal();
   void refresh_status();
-  void tell_health();  // with the mutex held
   void switch_light();
   void ask(const std::function<void()>& question);
   void take_down(const std::string& problem);
-  double measured_rate(std::uint64_t frames);
 
   capture::SourceSettings settings_;
   capture::FrameSink sink_;
@@ -82,8 +80,8 @@ class CameraWorker {
   capture::SourceDescription description_;
   capture::SourceHealth health_;
   std::string ailment_;  // what heal() cured, until the camera is opened anew
-  std::deque<std::pair<std::chrono::steady_clock::time_point, std::uint64_t>> frame_counts_;  // of the last second
-  std::uint64_t software_triggers_ = 0;                                                       // asked for, not yet sent
+  FrameRate rate_;
+  std::uint64_t software_triggers_ = 0;              // asked for, not yet sent
   std::chrono::steady_clock::time_point next_look_;  // touched by the worker's thread only
   bool streams_ = false;                             // as the source says
   bool silent_ = false;
