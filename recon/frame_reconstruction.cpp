@@ -24,9 +24,10 @@ capture::Matte matte_for(const cv::Mat& picture, const StudioViews& studio, std:
 // Mattes that somebody gave stay as they are, but have their say on the others.
 void keep_supported(FrameViews& views, const std::vector<bool>& given, const StudioViews& studio) {
   if (!studio.volume || views.cameras.size() < 2) return;
-  auto supported = supported_mattes(views.cameras, views.mattes, {.bounds = studio.volume, .unit = studio.unit});
-  for (std::size_t i = 0; i < views.mattes.size(); ++i)
-    if (!given[i]) views.mattes[i] = std::move(supported.mattes[i]);
+  auto supported =
+      supported_mattes(views.cameras, views.mattes, {.bounds = studio.volume, .unit = studio.unit, .keep = given});
+  views.mattes = std::move(supported.mattes);
+  views.silhouettes = std::move(supported.views);
 }
 
 std::vector<ColourView> colour_views(const FrameViews& views) {
@@ -68,7 +69,8 @@ std::uint8_t mix(std::uint8_t a, std::uint8_t b, double share) {
 
 FrameViews key_frame(const capture::FrameSet& frame_set, const StudioViews& studio,
                      std::span<const capture::Matte> given_mattes, StageClock& clock) {
-  FrameViews views{.cameras = {}, .pictures = {}, .mattes = {}, .colour = {}, .backdrop = studio.backdrop};
+  FrameViews views;
+  views.backdrop = studio.backdrop;
   std::vector<bool> is_given;
   for (std::size_t i = 0; i < frame_set.slots.size(); ++i) {
     auto picture = clock.run("demosaic", [&] { return capture::picture_of(frame_set.slots[i]); });
@@ -87,7 +89,10 @@ FrameViews key_frame(const capture::FrameSet& frame_set, const StudioViews& stud
 
 MappedFrame map_frame(const FrameViews& views, const SurfaceOptions& options, StageClock& clock) {
   if (views.cameras.size() < 2) return {std::nullopt, "fewer than two cameras have a picture of this frame"};
-  auto surface = clock.run("surface", [&] { return reconstruct_surface(views.cameras, views.mattes, options); });
+  auto surface = clock.run("surface", [&] {
+    return views.silhouettes.empty() ? reconstruct_surface(views.cameras, views.mattes, options)
+                                     : reconstruct_surface(views.silhouettes, options);
+  });
   if (!surface.failure.empty()) return {std::nullopt, surface.failure};
   auto sphere = clock.run("sphere", [&] { return map_to_sphere(surface.mesh); });
   if (!sphere.map) return {std::nullopt, sphere.report.failure};

@@ -35,6 +35,7 @@ struct FrameViews {
   std::vector<capture::Matte> mattes;
   std::vector<Eigen::Matrix3d> colour;  // as StudioViews has it; empty: all are the same
   capture::Backdrop backdrop = capture::Backdrop::blue;
+  std::vector<SilhouetteView> silhouettes;  // of the mattes; empty: not made yet
 };
 
 // `given_mattes` has a slot per camera as well (an empty alpha: key it); an empty span: key all. What is keyed in a

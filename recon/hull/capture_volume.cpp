@@ -100,16 +100,10 @@ Eigen::AlignedBox3i main_group(std::span<const SilhouetteView> views, const Eige
   return main;
 }
 
-bool is_empty(const SilhouetteView& view) {
-  double most = 0.0;
-  cv::minMaxLoc(view.distance_px(), nullptr, &most);
-  return most <= 0.0;
-}
-
 [[noreturn]] void tell_nothing_left(std::span<const SilhouetteView> views) {
   std::string empty;
   for (const auto& view : views)
-    if (is_empty(view)) empty += (empty.empty() ? "" : ", ") + view.camera().name;
+    if (view.is_empty()) empty += (empty.empty() ? "" : ", ") + view.camera().name;
   if (!empty.empty()) throw InvalidInput(fmt::format("empty silhouette in {}", empty));
   throw InvalidInput(
       "the silhouettes have no point of the world in common: check that calibration and mattes belong "
@@ -120,7 +114,8 @@ bool is_empty(const SilhouetteView& view) {
 
 Eigen::AlignedBox3d capture_volume(std::span<const SilhouetteView> views) {
   if (views.size() < 2) throw InvalidInput("a volume cannot be found from fewer than two views");
-  if (std::all_of(views.begin(), views.end(), is_empty)) tell_nothing_left(views);
+  if (std::all_of(views.begin(), views.end(), [](const SilhouetteView& view) { return view.is_empty(); }))
+    tell_nothing_left(views);
   Eigen::AlignedBox3d box = search_region(views);
   // The first search is as coarse as the cameras' distance; the second, within what it left, gives the box its edges.
   for (int round = 0; round < 2; ++round) {

@@ -68,6 +68,7 @@ SilhouetteView::SilhouetteView(const capture::CameraModel& camera, const capture
     throw InvalidInput(fmt::format("{}: the matte has {} x {} pixels, the calibration says {} x {}", camera.name,
                                    matte.alpha.cols, matte.alpha.rows, camera.width, camera.height));
   distance_ = signed_silhouette(matte);
+  is_empty_ = recon::is_empty(matte);
   distorted_ = !camera.distortion.isZero(0.0);
   max_ideal_radius_ = picture_radius(camera);
   if (distorted_) max_stretch_ = largest_stretch(camera, max_ideal_radius_);

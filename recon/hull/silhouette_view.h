@@ -19,6 +19,7 @@ class SilhouetteView {
 
   const capture::CameraModel& camera() const { return camera_; }
   const cv::Mat& distance_px() const { return distance_; }  // CV_32FC1, positive inside
+  bool is_empty() const { return is_empty_; }               // nobody in the matte
 
   // Distance to the silhouette's cone, positive inside, to first order (pixels times metres a pixel at that depth along
   // the silhouette's normal); nothing where the camera does not see: behind it or outside of its picture.
@@ -34,6 +35,7 @@ class SilhouetteView {
  private:
   capture::CameraModel camera_;
   cv::Mat distance_;
+  bool is_empty_ = false;
   bool distorted_ = false;
   double max_ideal_radius_ = 0.0;  // of the picture, on the ideal image plane: nothing beyond it is seen
   double max_stretch_ = 1.0;       // of the distortion within that radius

@@ -9,7 +9,6 @@
 #include "config/errors.h"
 #include "recon/hull/capture_volume.h"
 #include "recon/hull/marching_cubes.h"
-#include "recon/hull/signed_silhouette.h"
 #include "recon/hull/visual_hull.h"
 #include "recon/mesh/simplify.h"
 #include "recon/mesh/smoothing.h"
@@ -27,14 +26,13 @@ struct SortedViews {
   std::vector<capture::CameraModel> empty;
 };
 
-SortedViews sort_views(std::span<const capture::CameraModel> cameras, std::span<const capture::Matte> mattes) {
+SortedViews sort_views(std::span<const SilhouetteView> views) {
   SortedViews sorted;
-  auto views = silhouette_views(cameras, mattes);
-  for (std::size_t i = 0; i < views.size(); ++i)
-    if (is_empty(mattes[i]))
-      sorted.empty.push_back(cameras[i]);
+  for (const auto& view : views)
+    if (view.is_empty())
+      sorted.empty.push_back(view.camera());
     else
-      sorted.with_silhouette.push_back(std::move(views[i]));
+      sorted.with_silhouette.push_back(view);
   return sorted;
 }
 
@@ -93,11 +91,11 @@ void finish(TriangleMesh& mesh, const SurfaceOptions& options, double cell_size)
 
 }  // namespace
 
-SurfaceResult reconstruct_surface(std::span<const capture::CameraModel> cameras, std::span<const capture::Matte> mattes,
-                                  const SurfaceOptions& options) {
+SurfaceResult reconstruct_surface(std::span<const SilhouetteView> all, const SurfaceOptions& options) {
   const double start = cpu_seconds();
   SurfaceResult result;
-  const auto [views, empty] = sort_views(cameras, mattes);
+  if (all.size() < 2) throw InvalidInput("a surface needs at least two views");
+  const auto [views, empty] = sort_views(all);
   if (views.size() < 2) return failed(std::move(result), "empty silhouette in " + names_of(empty));
   if (const auto problem = settle_volume(views, options, result.report); !problem.empty())
     return failed(std::move(result), problem);
@@ -116,6 +114,11 @@ SurfaceResult reconstruct_surface(std::span<const capture::CameraModel> cameras,
   report.cpu_s = cpu_seconds() - start;
   if (!topology_of(result.mesh).is_sphere()) return failed(std::move(result), "the surface is not a closed sphere");
   return result;
+}
+
+SurfaceResult reconstruct_surface(std::span<const capture::CameraModel> cameras, std::span<const capture::Matte> mattes,
+                                  const SurfaceOptions& options) {
+  return reconstruct_surface(silhouette_views(cameras, mattes), options);
 }
 
 }  // namespace rotunda::recon

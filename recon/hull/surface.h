@@ -10,6 +10,7 @@
 #include "capture/camera_model.h"
 #include "capture/matte/matte.h"
 #include "recon/hull/genus_cut.h"
+#include "recon/hull/silhouette_view.h"
 #include "recon/mesh/triangle_mesh.h"
 
 namespace rotunda::recon {
@@ -44,6 +45,7 @@ struct SurfaceResult {
 // it has any of it in view, its key failed. What can happen to a frame (that, an empty hull) is the result's `failure`.
 // Throws InvalidInput for the caller's mistakes: spans of unequal size, fewer than two views, a matte of another size
 // than its camera.
+SurfaceResult reconstruct_surface(std::span<const SilhouetteView> views, const SurfaceOptions& options = {});
 SurfaceResult reconstruct_surface(std::span<const capture::CameraModel> cameras, std::span<const capture::Matte> mattes,
                                   const SurfaceOptions& options = {});
 

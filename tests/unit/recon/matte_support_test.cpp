@@ -56,6 +56,11 @@ TEST(MatteSupport, DropsAPieceThatNoOtherViewHas) {
   const auto supported = supported_mattes(cameras, mattes, {.bounds = kVolume});
   EXPECT_TRUE(is_same(supported.mattes[2].alpha, before));
   EXPECT_GT(supported.dropped[2], 0.0);
+  const SilhouetteView fresh(cameras[2], {before});
+  EXPECT_EQ(cv::norm(supported.views[2].distance_px(), fresh.distance_px(), cv::NORM_INF), 0.0);
+  const auto kept =
+      supported_mattes(cameras, mattes, {.bounds = kVolume, .keep = {false, false, true, false, false, false}});
+  EXPECT_TRUE(is_same(kept.mattes[2].alpha, mattes[2].alpha));  // somebody gave it
 }
 
 TEST(MatteSupport, OneViewThatLostAnArmOrAllCostsTheOthersNothing) {
@@ -85,6 +90,8 @@ TEST(MatteSupport, DecidesNothingWhereViewsDisagree) {
 
 TEST(MatteSupport, RefusesMattesOfAnotherNumber) {
   EXPECT_THROW(supported_mattes(ring(4), {}, {.bounds = kVolume}), InvalidInput);
+  const auto mattes = tests::mattes_of(kBody, ring(4));
+  EXPECT_THROW(supported_mattes(ring(4), mattes, {.bounds = kVolume, .keep = {true}}), InvalidInput);
 }
 
 }  // namespace rotunda::recon
