@@ -155,4 +155,26 @@ cv::Mat log_picture(const cv::Mat& rgb) {
   return result;
 }
 
+cv::Scalar light_change(const cv::Mat& log_rgb, const cv::Mat& log_plate, Backdrop backdrop) {
+  const int own = backdrop == Backdrop::blue ? 2 : 1;
+  const float lead = std::log(kLead);
+  std::array<std::vector<float>, 3> changes;
+  for (int y = kStride / 2; y < log_rgb.rows; y += kStride)
+    for (int x = kStride / 2; x < log_rgb.cols; x += kStride) {
+      const auto& pixel = log_rgb.at<cv::Vec3f>(y, x);
+      if (pixel[own] < std::max(pixel[(own + 1) % 3], pixel[(own + 2) % 3]) + lead) continue;
+      const cv::Vec3f change = pixel - log_plate.at<cv::Vec3f>(y, x);
+      for (int c = 0; c < 3; ++c) changes[static_cast<std::size_t>(c)].push_back(change[c]);
+    }
+  if (static_cast<double>(changes[0].size()) * kStride * kStride < kLeastShare * static_cast<double>(log_rgb.total()))
+    return {};
+  cv::Scalar medians;
+  for (std::size_t c = 0; c < changes.size(); ++c) {
+    const auto middle = changes[c].begin() + static_cast<std::ptrdiff_t>(changes[c].size() / 2);
+    std::nth_element(changes[c].begin(), middle, changes[c].end());
+    medians[static_cast<int>(c)] = *middle;
+  }
+  return medians;
+}
+
 }  // namespace rotunda::capture

@@ -33,4 +33,8 @@ constexpr float kLogOffset = 3.0F;
 cv::Mat log_picture(const cv::Mat& rgb);
 cv::Mat picture_of_log(const cv::Mat& logs);
 
+// By how much ln of each channel has changed since the plate, as lamps and sensors do while they get warm: the median
+// over the pixels that show the backdrop, in light or in shadow; 0 if they are too few. Both as log_picture() has them.
+cv::Scalar light_change(const cv::Mat& log_rgb, const cv::Mat& log_plate, Backdrop backdrop);
+
 }  // namespace rotunda::capture

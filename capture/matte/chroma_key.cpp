@@ -22,8 +22,9 @@ constexpr float kDifferenceStep = 0.16F;  // of ln(channel): 17 % off the plate'
 constexpr float kFirmLead = 0.3F;         // beyond the limit: a pixel half performer leads it by less
 constexpr int kSmallestPiece = 4000;      // a picture's area over this is the smallest piece of performer kept
 constexpr int kSmallestHole = 20000;
-constexpr float kUnlit = 28.0F;  // grey levels, mean of a whole row or column: black level and ringing, no light
-constexpr int kSpoiltLines = 4;  // pixels
+constexpr int kOverexposed = 250;  // grey levels: what the sensor or its curve cannot tell from white
+constexpr float kUnlit = 28.0F;    // grey levels, mean of a whole row or column: black level and ringing, no light
+constexpr int kSpoiltLines = 4;    // pixels
 
 cv::Mat blurred(const cv::Mat& rgb) {
   cv::Mat result;
@@ -34,22 +35,23 @@ cv::Mat blurred(const cv::Mat& rgb) {
 // The performer, and of it what leads so far that it is no mixture of performer and backdrop.
 struct Inside {
   cv::Mat all, firm;  // CV_8UC1, 255 inside
+  cv::Mat unlit;      // CV_8UC1, 255 where it is too dark to tell
 };
 
 Inside by_chroma(const cv::Mat& log_rgb, const cv::Mat& log_plate, const KeyChannels& channels) {
   const float least = std::log(kDarkest + kLogOffset);
-  Inside inside{cv::Mat(log_rgb.size(), CV_8UC1), cv::Mat(log_rgb.size(), CV_8UC1)};
+  Inside inside{cv::Mat(log_rgb.size(), CV_8UC1), cv::Mat(log_rgb.size(), CV_8UC1), cv::Mat(log_rgb.size(), CV_8UC1)};
   for (int y = 0; y < log_rgb.rows; ++y) {
     const auto* pixel = log_rgb.ptr<cv::Vec3f>(y);
     const auto* plate = log_plate.ptr<cv::Vec3f>(y);
     auto *all = inside.all.ptr<std::uint8_t>(y), *firm = inside.firm.ptr<std::uint8_t>(y);
+    auto* unlit = inside.unlit.ptr<std::uint8_t>(y);
     for (int x = 0; x < log_rgb.cols; ++x) {
-      const cv::Vec3f gain = pixel[x] - plate[x];
-      const float own = gain[channels.own];
-      const float lead = std::max(gain[channels.far] - own - key_limit(own), gain[channels.near] - own - kNearLead);
+      const float lead = key_lead(cv::Vec3f(pixel[x] - plate[x]), channels);
       const bool lit = pixel[x][channels.far] > least;
       all[x] = lit && lead > 0.0F ? 255 : 0;
       firm[x] = lit && lead > kFirmLead ? 255 : 0;
+      unlit[x] = lit ? 0 : 255;
     }
   }
   return inside;
@@ -66,18 +68,25 @@ Inside by_difference(const cv::Mat& log_rgb, const cv::Mat& log_plate) {
       for (int c = 0; c < 3; ++c) most = std::max(most, std::abs(gain[c] - light));
       inside.at<std::uint8_t>(y, x) = most > kDifferenceStep ? 255 : 0;
     }
-  return {inside, inside};
+  return {inside, inside, cv::Mat::zeros(log_rgb.size(), CV_8UC1)};
 }
 
-// Turns the pieces of `value` (0 or 255) over that `goes` says of, by their statistics (cv::ConnectedComponentsTypes).
+// Turns the pieces of `value` (0 or 255) over that `goes` says of, by their statistics (cv::ConnectedComponentsTypes)
+// and how many of their pixels are `marked`.
 template <class Goes>
-void turn_pieces(cv::Mat mask, std::uint8_t value, const Goes& goes) {
+void turn_pieces(cv::Mat mask, std::uint8_t value, const cv::Mat& marked, const Goes& goes) {
   cv::Mat labels, statistics, centres;
   const int count = cv::connectedComponentsWithStats(mask == value, labels, statistics, centres, value ? 8 : 4, CV_32S);
+  std::vector<int> marks(static_cast<std::size_t>(count), 0);
+  if (cv::countNonZero(marked) > 0)
+    for (int y = 0; y < mask.rows; ++y)
+      for (int x = 0; x < mask.cols; ++x)
+        if (marked.at<std::uint8_t>(y, x)) ++marks[static_cast<std::size_t>(labels.at<int>(y, x))];
   std::vector<std::uint8_t> after(static_cast<std::size_t>(count), value);
   after[0] = static_cast<std::uint8_t>(255 - value);
   for (int piece = 1; piece < count; ++piece)
-    if (goes(statistics.ptr<int>(piece))) after[static_cast<std::size_t>(piece)] = after[0];
+    if (goes(statistics.ptr<int>(piece), marks[static_cast<std::size_t>(piece)]))
+      after[static_cast<std::size_t>(piece)] = after[0];
   for (int y = 0; y < mask.rows; ++y)
     std::transform(labels.ptr<int>(y), labels.ptr<int>(y) + mask.cols, mask.ptr<std::uint8_t>(y),
                    [&](int label) { return after[static_cast<std::size_t>(label)]; });
@@ -99,24 +108,35 @@ cv::Rect lit_area(const cv::Mat& rgb) {
 }
 
 // Nothing in the bars is performer, nor any small piece, nor what keeps to the lines next to the picture's and the
-// bars' edges, which scanning and sharpening spoil.
-void drop_stray_pieces(cv::Mat& inside, const cv::Rect& lit) {
+// bars' edges, which scanning and sharpening spoil, nor what is over-exposed in all colours for the most part: a lamp.
+void drop_stray_pieces(cv::Mat& inside, const cv::Mat& rgb, const cv::Rect& lit) {
   cv::Mat kept = cv::Mat::zeros(inside.size(), CV_8UC1);
   inside(lit).copyTo(kept(lit));
   const int smallest = std::max(4, static_cast<int>(inside.total()) / kSmallestPiece);
-  turn_pieces(kept(lit), 255, [&](const int* piece) {
+  cv::Mat glaring;
+  cv::inRange(rgb(lit), cv::Scalar::all(kOverexposed), cv::Scalar::all(255), glaring);
+  turn_pieces(kept(lit), 255, glaring, [&](const int* piece, int glares) {
     const int x = piece[cv::CC_STAT_LEFT], width = piece[cv::CC_STAT_WIDTH];
     const int y = piece[cv::CC_STAT_TOP], height = piece[cv::CC_STAT_HEIGHT];
     const bool along_side = width <= kSpoiltLines && (x == 0 || x + width == lit.width);
     const bool along_end = height <= kSpoiltLines && (y == 0 || y + height == lit.height);
-    return along_side || along_end || piece[cv::CC_STAT_AREA] < smallest;
+    return along_side || along_end || piece[cv::CC_STAT_AREA] < smallest || 2 * glares > piece[cv::CC_STAT_AREA];
   });
   inside = kept;
 }
 
-void fill_small_holes(cv::Mat& inside) {
-  const int smallest = std::max(4, static_cast<int>(inside.total()) / kSmallestHole);
-  turn_pieces(inside, 0, [&](const int* piece) { return piece[cv::CC_STAT_AREA] < smallest; });
+// Small ones, and those too dark to tell that the performer surrounds: folds of the clothes, for the backdrop gets
+// light wherever the camera sees it past somebody.
+void fill_holes(Inside& inside) {
+  const int smallest = std::max(4, static_cast<int>(inside.all.total()) / kSmallestHole);
+  const cv::Mat before = inside.all.clone();
+  turn_pieces(inside.all, 0, inside.unlit, [&](const int* piece, int unlit) {
+    const int x = piece[cv::CC_STAT_LEFT], width = piece[cv::CC_STAT_WIDTH];
+    const int y = piece[cv::CC_STAT_TOP], height = piece[cv::CC_STAT_HEIGHT];
+    const bool is_surrounded = x > 0 && y > 0 && x + width < before.cols && y + height < before.rows;
+    return piece[cv::CC_STAT_AREA] < smallest || (is_surrounded && 2 * unlit > piece[cv::CC_STAT_AREA]);
+  });
+  inside.firm |= inside.unlit & inside.all & ~before;
 }
 
 // Nothing where no screen's colour leads: then only a background's difference can tell.
@@ -151,13 +171,14 @@ Matte chroma_key(const cv::Mat& rgb, const ChromaKeyOptions& options, const cv::
   const auto backdrop = backdrop_for(rgb, options, background).value_or(Backdrop::blue);
   const cv::Mat log_rgb = log_picture(blurred(rgb));
   const bool difference = use_difference(rgb, options.method, backdrop, background);
-  const cv::Mat log_plate = background.empty() ? fit_plate(rgb, backdrop) : log_picture(blurred(background));
+  cv::Mat log_plate = background.empty() ? fit_plate(rgb, backdrop) : log_picture(blurred(background));
   if (log_plate.empty()) return {cv::Mat::zeros(rgb.size(), CV_8UC1)};
+  if (!background.empty() && !difference) log_plate += light_change(log_rgb, log_plate, backdrop);
   Inside inside =
       difference ? by_difference(log_rgb, log_plate) : by_chroma(log_rgb, log_plate, key_channels(log_plate, backdrop));
   if (!options.stage.empty()) inside.all &= options.stage;
-  drop_stray_pieces(inside.all, lit_area(rgb));
-  fill_small_holes(inside.all);
+  drop_stray_pieces(inside.all, rgb, lit_area(rgb));
+  fill_holes(inside);
   return edge_matte(rgb, background.empty() ? picture_of_log(log_plate) : background, inside.all, inside.firm);
 }
 

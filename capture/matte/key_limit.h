@@ -1,8 +1,9 @@
 #pragma once
 // Who is performer, by ratios to the plate: shadow on the backdrop's paint takes more of the other colours than of its
 // own, never less, so a pixel is performer where another channel has gained on the backdrop's own. In the dark that
-// limit falls, for the channel alone that the paint throws back least of: light that reaches a deep shadow has met paint
-// several times, and each time that channel lost most.
+// limit falls, for the channel alone that the paint throws back least of: light that reaches a deep shadow has met
+// paint several times, and each time that channel lost most.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -38,6 +39,13 @@ inline float key_limit(float brightness) {
       return a.lead + (brightness - a.brightness) / (b.brightness - a.brightness) * (b.lead - a.lead);
     }
   return kKeyKnots.back().lead;
+}
+
+// `gain`: ln of a pixel's channels against the plate's. How far it leads the limit: above 0 it is performer.
+template <class Gain>
+float key_lead(const Gain& gain, const KeyChannels& channels) {
+  const float own = gain[channels.own];
+  return std::max(gain[channels.far] - own - key_limit(own), gain[channels.near] - own - kNearLead);
 }
 
 }  // namespace rotunda::capture

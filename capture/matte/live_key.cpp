@@ -19,6 +19,8 @@ constexpr int kUnit = 256;            // a ratio of 1
 constexpr int kLeastPlate = kUnit;    // of plate and offset, so that kUnit * 2^16 over it is 16 bits
 constexpr int kSmallestPiece = 4000;  // a picture's area over this is the smallest piece of performer kept
 constexpr int kSmallestHole = 20000;
+constexpr int kLightStride = 8;  // half-size pixels
+constexpr std::size_t kFewestLightPixels = 32;
 constexpr int kPool = 2;  // half-size pixels a side that pieces are told by
 
 // The limit as lines in the ratios themselves: between knots the exact limit bends by less than 0.02.
@@ -55,6 +57,12 @@ cv::v_uint16x8 limit_of(const cv::v_uint16x8& brightness, const Limit& limit) {
   for (const auto& line : limit.rising)
     greatest = cv::v_max(greatest, cv::v_mul_hi(eightfold, cv::v_setall_u16(line.slope)) - cv::v_setall_u16(line.less));
   return cv::v_min(greatest, cv::v_mul_hi(eightfold, cv::v_setall_u16(limit.top)));
+}
+
+// Ratios to what they would be in the plate's light; `light` in 1/kLightUnit.
+constexpr int kLightUnit = 1 << 14;  // ratios stay below 16, so that a quarter of 16 bits is left
+cv::v_uint16x8 in_light(const cv::v_uint16x8& ratio, std::uint16_t light) {
+  return cv::v_mul_hi(cv::v_shl<2>(ratio), cv::v_setall_u16(light));
 }
 
 cv::Mat scale_of(const cv::Mat& plate) {
@@ -104,15 +112,21 @@ cv::Rect drop_small_pieces(cv::Mat& inside) {
   return box;
 }
 
-void fill_small_holes(cv::Mat inside, int smallest) {
+// As chroma_key() does; `far`: the half picture's plane of the far channel.
+void fill_holes(cv::Mat inside, const cv::Mat& far, int smallest) {
   cv::Mat labels, statistics, centres;
   const int count = cv::connectedComponentsWithStats(inside == 0, labels, statistics, centres, 4, CV_32S);
   for (int hole = 1; hole < count; ++hole) {
     const int* found = statistics.ptr<int>(hole);
-    if (found[cv::CC_STAT_AREA] >= smallest) continue;
     const cv::Rect box(found[cv::CC_STAT_LEFT], found[cv::CC_STAT_TOP], found[cv::CC_STAT_WIDTH],
                        found[cv::CC_STAT_HEIGHT]);
-    inside(box).setTo(255, labels(box) == hole);
+    const bool is_small = found[cv::CC_STAT_AREA] < smallest;
+    const bool is_surrounded =
+        box.x > 0 && box.y > 0 && box.x + box.width < inside.cols && box.y + box.height < inside.rows;
+    if (!is_small && !is_surrounded) continue;
+    const cv::Mat pixels = labels(box) == hole;
+    const cv::Mat unlit = (far(box) <= kDarkest * kHalfScale) & pixels;
+    if (is_small || 2 * cv::countNonZero(unlit) > found[cv::CC_STAT_AREA]) inside(box).setTo(255, pixels);
   }
 }
 
@@ -132,14 +146,36 @@ LiveKey::LiveKey(const cv::Mat& plate, PixelFormat format, const LiveKeyOptions&
   if (!options.stage.empty()) cv::resize(options.stage, stage_, half.planes[0].size(), 0, 0, cv::INTER_NEAREST);
 }
 
+// By what each channel's ratio is multiplied so that the backdrop's median is 1: light drifts while lamps get warm.
+std::array<std::uint16_t, 3> LiveKey::plate_light(const HalfPicture& half) const {
+  std::array<std::vector<int>, 3> ratios;
+  const auto own = static_cast<std::size_t>(channels_.own);
+  for (int y = kLightStride / 2; y < half.planes[0].rows; y += kLightStride)
+    for (int x = kLightStride / 2; x < half.planes[0].cols; x += kLightStride) {
+      std::array<int, 3> value{};
+      for (std::size_t c = 0; c < 3; ++c) value[c] = half.planes[c].at<std::uint16_t>(y, x) + kOffset;
+      if (6 * value[own] < 7 * std::max(value[(own + 1) % 3], value[(own + 2) % 3])) continue;  // as fit_plate()
+      for (std::size_t c = 0; c < 3; ++c) ratios[c].push_back(value[c] * scale_[c].at<std::uint16_t>(y, x) >> 16);
+    }
+  std::array<std::uint16_t, 3> light{kLightUnit, kLightUnit, kLightUnit};
+  if (ratios[0].size() < kFewestLightPixels) return light;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const auto middle = ratios[c].begin() + static_cast<std::ptrdiff_t>(ratios[c].size() / 2);
+    std::nth_element(ratios[c].begin(), middle, ratios[c].end());
+    light[c] = static_cast<std::uint16_t>(std::clamp(kUnit * kLightUnit / std::max(1, *middle), kLightUnit / 2, 65535));
+  }
+  return light;
+}
+
 cv::Mat LiveKey::inside_of(const HalfPicture& half) const {
   const auto limit = limit_lines();
+  const auto light = plate_light(half);
   cv::Mat inside(half.planes[0].size(), CV_8UC1, cv::Scalar(0));
   constexpr int kStep = cv::v_uint16x8::nlanes;
   const auto eight_at = [&](int y, int x) {
     const auto ratio_of = [&](int channel) {
       const auto c = static_cast<std::size_t>(channel);
-      return ratio(half.planes[c].ptr<std::uint16_t>(y) + x, scale_[c].ptr<std::uint16_t>(y) + x);
+      return in_light(ratio(half.planes[c].ptr<std::uint16_t>(y) + x, scale_[c].ptr<std::uint16_t>(y) + x), light[c]);
     };
     const auto own = ratio_of(channels_.own);
     const auto far_leads = ratio_of(channels_.far) > limit_of(own, limit);
@@ -166,7 +202,8 @@ Matte LiveKey::operator()(const Image& image) const {
   cv::Mat inside = inside_of(half);
   const cv::Rect box = drop_small_pieces(inside);
   if (box.empty()) return {cv::Mat::zeros(size_, CV_8UC1)};
-  fill_small_holes(inside(box), std::max(2, static_cast<int>(inside.total()) / kSmallestHole));
+  const cv::Mat& far = half.planes[static_cast<std::size_t>(channels_.far)];
+  fill_holes(inside(box), far(box), std::max(2, static_cast<int>(inside.total()) / kSmallestHole));
   return {half_edge_matte(half, inside, box, size_)};
 }
 

@@ -20,7 +20,7 @@ struct LiveKeyOptions {
   cv::Mat stage;                     // stage_mask.h: where the performer can be; empty: anywhere
 };
 
-// One camera's: what its plate asks of every pixel, worked out once.
+// One camera's: what its plate asks of every pixel, worked out once. Light that drifts from the plate's is followed.
 class LiveKey {
  public:
   // `plate`: CV_8UC3, RGB, the empty studio as this camera shows it; or what fit_plate_picture() makes of a picture
@@ -31,6 +31,7 @@ class LiveKey {
   Matte operator()(const Image& image) const;
 
  private:
+  std::array<std::uint16_t, 3> plate_light(const HalfPicture& half) const;
   cv::Mat inside_of(const HalfPicture& half) const;
 
   cv::Size size_;

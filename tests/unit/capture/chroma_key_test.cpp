@@ -147,6 +147,26 @@ TEST(ChromaKey, TakesBlackBarsAlongThePictureForNobody) {
   expect_the_disc(chroma_key(rgb));
 }
 
+TEST(ChromaKey, FillsAFoldTooDarkToTellInTheMiddleOfThePerformer) {
+  const cv::Mat plate = picture_of({}, false);
+  cv::Mat rgb = picture_of({});
+  cv::circle(rgb, {155, 120}, 12, {3, 4, 22}, cv::FILLED);  // velvet in its own shade, blue light on it
+  EXPECT_GT(cv::mean(chroma_key(rgb, {}, plate).alpha(cv::Rect(143, 108, 25, 25)))[0], 250.0);
+  rgb = picture_of({});
+  plate(cv::Rect(143, 108, 25, 25)).copyTo(rgb(cv::Rect(143, 108, 25, 25)));  // the backdrop, seen between limbs
+  EXPECT_LT(cv::mean(chroma_key(rgb, {}, plate).alpha(cv::Rect(147, 112, 17, 17)))[0], 5.0);
+}
+
+TEST(ChromaKey, TakesALampInThePictureForNobodyWithoutAPlate) {
+  cv::Mat rgb = picture_of({});
+  const cv::Rect lamp(200, 0, 60, 20);
+  rgb(lamp).setTo(cv::Scalar::all(255));
+  cv::GaussianBlur(rgb, rgb, {3, 3}, 0.7);
+  const auto matte = chroma_key(rgb);
+  EXPECT_EQ(cv::countNonZero(matte.alpha.rowRange(0, 40) > 20), 0);
+  EXPECT_NEAR(area_of(matte), CV_PI * kRadius * kRadius, 80.0);
+}
+
 TEST(ChromaKey, FindsNobodyInAnEmptyStudio) {
   EXPECT_LT(area_of(chroma_key(picture_of({}, false))), 1.0);
 }

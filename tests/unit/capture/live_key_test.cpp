@@ -100,6 +100,13 @@ TEST(LiveKey, AgreesWithTheFullKeyOnWhoIsWhere) {
   EXPECT_GT(cv::countNonZero(live & full), 0.97 * cv::countNonZero(live | full));
 }
 
+TEST(LiveKey, FillsAFoldTooDarkToTellInTheMiddleOfThePerformer) {
+  cv::Mat rgb = picture_of(kBlue, kSkin, true);
+  cv::circle(rgb, {155, 120}, 12, {3, 4, 22}, cv::FILLED);
+  const LiveKey key(picture_of(kBlue, {}, false), PixelFormat::bayer_rg8);
+  EXPECT_GT(cv::mean(key(sent(rgb, PixelFormat::bayer_rg8)).alpha(cv::Rect(143, 108, 25, 25)))[0], 250.0);
+}
+
 TEST(LiveKey, KeepsToTheStage) {
   cv::Mat stage(kSize, CV_8UC1, cv::Scalar(255));
   stage.colRange(0, 60).setTo(0);
