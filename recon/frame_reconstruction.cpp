@@ -16,7 +16,9 @@
 namespace rotunda::recon {
 namespace {
 
-capture::Matte matte_for(const cv::Mat& picture, const StudioViews& studio, std::size_t camera) {
+capture::Matte matte_for(const capture::Image& image, const cv::Mat& picture, const StudioViews& studio,
+                         std::size_t camera) {
+  if (camera < studio.live_keys.size() && studio.live_keys[camera]) return (*studio.live_keys[camera])(image);
   const cv::Mat stage = camera < studio.stages.size() ? studio.stages[camera] : cv::Mat();
   return capture::chroma_key(picture, {.backdrop = studio.backdrop, .stage = stage}, studio.backgrounds[camera]);
 }
@@ -80,8 +82,9 @@ FrameViews key_frame(const capture::FrameSet& frame_set, const StudioViews& stud
     views.pictures.push_back(std::move(picture.rgb));
     const bool given = i < given_mattes.size() && !given_mattes[i].alpha.empty();
     is_given.push_back(given);
-    views.mattes.push_back(given ? given_mattes[i]
-                                 : clock.run("key", [&] { return matte_for(views.pictures.back(), studio, i); }));
+    views.mattes.push_back(given ? given_mattes[i] : clock.run("key", [&] {
+      return matte_for(frame_set.slots[i].frame->image, views.pictures.back(), studio, i);
+    }));
   }
   clock.run("support", [&] { keep_supported(views, is_given, studio); });
   return views;

@@ -9,6 +9,7 @@
 #include "capture/camera_model.h"
 #include "capture/frame.h"
 #include "capture/matte/backdrop_plate.h"
+#include "capture/matte/live_key.h"
 #include "capture/matte/matte.h"
 #include "recon/frame_store.h"
 #include "recon/hull/surface.h"
@@ -26,6 +27,8 @@ struct StudioViews {
   std::optional<Eigen::AlignedBox3d> volume;  // of the rig: where the performer can be
   std::string unit = "m";                     // of the calibration
   std::vector<cv::Mat> stages;                // capture/matte/stage_mask.h, one a camera; none: anywhere
+  // At live quality, instead of the full key, a slot a camera; without one, or with none at all: in full.
+  std::vector<std::optional<capture::LiveKey>> live_keys;
 };
 
 // The cameras that have a picture of this frame, side by side.

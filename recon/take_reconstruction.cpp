@@ -17,6 +17,7 @@
 #include "config/errors.h"
 #include "recon/frame_reconstruction.h"
 #include "recon/mesh/mesh_file.h"
+#include "recon/take_plates.h"
 #include "recon/take_studio.h"
 #include "recon/video/geometry_video.h"
 #include "recon/video/paper_video.h"
@@ -109,7 +110,8 @@ std::string TakeReconstruction::settings_json() const {
     numbers.insert(numbers.end(), camera.distortion.data(), camera.distortion.data() + 5);
     cameras.push_back(numbers);
   }
-  nlohmann::json settings{{"version", 3},
+  nlohmann::json settings{{"version", 4},
+                          {"quality", options_.quality == Quality::live ? "live" : "full"},
                           {"cell_size", options_.cell_size},
                           {"triangles", options_.triangles},
                           {"level", options_.level},
@@ -140,6 +142,8 @@ TakeReconstructionReport TakeReconstruction::run() {
 void TakeReconstruction::reconstruct_frames() {
   const auto jobs = static_cast<std::size_t>(options_.jobs > 0 ? options_.jobs : tbb::info::default_concurrency());
   const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, jobs);
+  clock_.run("plates", [&] { learn_missing_plates(take_, studio_.views); });
+  if (options_.quality == Quality::live) make_live_keys(take_, studio_.views);
   std::size_t next = first_;
   const auto source = [&](tbb::flow_control& control) -> std::size_t {
     for (; next < end_ && !stop_.stop_requested() && store_->finished(next); ++next) {

@@ -14,6 +14,8 @@
 
 namespace rotunda::recon {
 
+enum class Quality { full, live };  // live: the live key (capture/matte/live_key.h), for a look at once
+
 struct TakeReconstructionOptions {
   std::filesystem::path take;
   std::optional<std::filesystem::path> calibration;           // else the take's own
@@ -22,6 +24,7 @@ struct TakeReconstructionOptions {
   int triangles = 20000;   // of the surface before mapping
   int level = 8;           // of the geometry image
   int colour_level = 8;
+  Quality quality = Quality::full;
   int jobs = 0;                                 // frames at once; 0: one a core
   bool paper = false;                           // also write the paper's 24-bit AVI
   std::optional<std::filesystem::path> meshes;  // one PLY a frame

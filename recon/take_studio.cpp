@@ -10,6 +10,7 @@
 #include "config/errors.h"
 #include "config/rig_config.h"
 #include "recon/mesh/mesh_file.h"
+#include "recon/take_plates.h"
 
 namespace rotunda::recon {
 namespace {
@@ -40,6 +41,19 @@ std::vector<capture::CameraModel> cameras_of(const capture::TakeInfo& take, cons
   return cameras;
 }
 
+// The screen's colour in most of the cameras' plates or first pictures, blue where none tells.
+capture::Backdrop backdrop_seen(const capture::TakeReader& take, const std::vector<cv::Mat>& plates) {
+  int green_lead = 0;
+  for (std::size_t i = 0; i < plates.size(); ++i) {
+    const cv::Mat rgb = !plates[i].empty()            ? plates[i]
+                        : take.frame_set_count() == 0 ? cv::Mat()
+                                                      : capture::picture_of(take.read(0, i)).rgb;
+    const auto seen = rgb.empty() ? std::nullopt : capture::backdrop_of(rgb);
+    if (seen) green_lead += *seen == capture::Backdrop::green ? 1 : -1;
+  }
+  return green_lead > 0 ? capture::Backdrop::green : capture::Backdrop::blue;
+}
+
 }  // namespace
 
 TakeStudio read_take_studio(const capture::TakeReader& take, const std::optional<fs::path>& calibration_file) {
@@ -54,10 +68,16 @@ TakeStudio read_take_studio(const capture::TakeReader& take, const std::optional
     for (const auto& camera : take.info().cameras) studio.views.colour.push_back(calibration.colour_of(camera.name));
   for (const auto& camera : take.info().cameras) {
     const auto background = capture::background_file(take.folder(), camera.name);
-    studio.views.backgrounds.push_back(fs::exists(background) ? capture::read_rgb(background) : cv::Mat());
+    const auto learnt = learnt_plate_file(take.folder(), camera.name);
+    studio.views.backgrounds.push_back(fs::exists(background) ? capture::read_rgb(background)
+                                       : fs::exists(learnt)   ? capture::read_rgb(learnt)
+                                                              : cv::Mat());
   }
   const auto rig_file = take.folder() / "rig.yaml";
-  if (!fs::exists(rig_file)) return studio;
+  if (!fs::exists(rig_file)) {
+    studio.views.backdrop = backdrop_seen(take, studio.views.backgrounds);
+    return studio;
+  }
   const auto rig = config::load_rig(rig_file);
   studio.views.backdrop = rig.backdrop == "green" ? capture::Backdrop::green : capture::Backdrop::blue;
   studio.volume = Eigen::AlignedBox3d(Eigen::Vector3d(rig.volume.min.data()), Eigen::Vector3d(rig.volume.max.data()));

@@ -86,7 +86,10 @@ int reconstruct(const CommandLine& line, ReconArguments arguments, std::stop_tok
   if (!arguments.calibration.empty()) options.calibration = arguments.calibration;
   if (!arguments.meshes.empty()) options.meshes = arguments.meshes;
   if (!arguments.mattes.empty()) options.mattes = arguments.mattes;
-  if (arguments.quality == "live") options.level = options.colour_level = 7;
+  if (arguments.quality == "live") {
+    options.quality = recon::Quality::live;
+    options.level = options.colour_level = 7;
+  }
   if (arguments.colour_level) options.colour_level = *arguments.colour_level;
   if (options.colour_level < options.level || options.colour_level > options.level + 2)
     throw InvalidInput(
@@ -164,7 +167,7 @@ void add_recon_commands(CommandLine& line) {
   auto& options = arguments->options;
   auto* recon = line.app.add_subcommand("recon", "reconstructs a take's surface and writes its geometry video");
   recon->add_option("take", arguments->take, "a take's name in storage, or its path")->required();
-  recon->add_option("--quality", arguments->quality, "live (a quarter of the samples) or full")
+  recon->add_option("--quality", arguments->quality, "live (the live key, a quarter of the samples) or full")
       ->check(CLI::IsMember({"live", "full"}))
       ->capture_default_str();
   recon->add_flag("--paper", options.paper, "also write the paper's 24-bit geometry.avi");
