@@ -16,6 +16,7 @@
 
 #include "capture/matte/chroma_key.h"
 #include "capture/matte/despill.h"
+#include "capture/matte/learnt_plate.h"
 #include "capture/matte/live_key.h"
 #include "capture/matte/stage_mask.h"
 #include "capture/picture.h"
@@ -232,6 +233,38 @@ class KeyBench {
   RimErrors rims_;
 };
 
+// Without a picture of the empty studio: the plate learnt from the take whose light drifts, beside the given plate and
+// the surface fitted to each picture alone.
+void print_learnt_plates(const std::vector<KeyStudy>& studies, const std::string& keep, const std::string& person) {
+  constexpr int kTakePictures = 16;
+  std::map<std::string, MatteTotals> totals;
+  std::string last;
+  for (const auto& study : studies) {
+    if (study.person == last || (!person.empty() && study.person != person)) continue;  // one act a person
+    last = study.person;
+    const auto rendered = render(study, keep);
+    const auto take = render_drifting_take(study, kTakePictures, keep);
+    for (std::size_t i = 0; i < study.cameras.size(); ++i) {
+      const auto plate = capture::learn_plate(take[i], capture::Backdrop::blue).picture;
+      const cv::Mat stage = capture::stage_mask(study.cameras[i], simulator::kStageVolume);
+      for (const auto& moment : rendered.moments) {
+        const auto& view = moment.views[i];
+        const cv::Mat rgb = capture::to_rgb(view.image);
+        const auto add = [&](const char* name, const Matte& matte) {
+          totals[name].add(matte_score(matte.alpha, view.truth));
+        };
+        const capture::ChromaKeyOptions options{.backdrop = {}, .stage = stage};
+        add("given plate", capture::chroma_key(rgb, options, rendered.plates[i]));
+        add("learnt plate", capture::chroma_key(rgb, options, plate));
+        add("no plate", capture::chroma_key(rgb, options));
+        add("live, given plate", capture::LiveKey(rendered.plates[i], view.image.format, {{}, stage})(view.image));
+        add("live, learnt plate", capture::LiveKey(plate, view.image.format, {{}, stage})(view.image));
+      }
+    }
+  }
+  for (const auto& [name, sums] : totals) print("take", name, sums);
+}
+
 // Ten cameras' images of one moment, as the live way has them.
 void print_live_speed(const KeyStudy& study, const std::string& keep) {
   const auto rendered = render(study, keep);
@@ -270,6 +303,7 @@ int run(int argc, char** argv) {
     if (!options.pictures.empty()) std::filesystem::create_directories(options.pictures);
     const auto studies = options.development ? development_studies() : held_out_studies();
     KeyBench(options).run(studies);
+    print_learnt_plates(studies, options.keep, options.person);
     print_live_speed(studies.front(), options.keep);
     return kDone;
   } catch (...) {

@@ -4,6 +4,7 @@
 #include <tbb/parallel_for.h>
 
 #include "capture/picture.h"
+#include "capture/srgb.h"
 #include "simulator/people/person.h"
 #include "simulator/studio/camera_layout.h"
 #include "simulator/studio/light.h"
@@ -72,17 +73,69 @@ std::vector<KeyStudy> held_out_studies() {
   return studies;
 }
 
+namespace {
+
+// The study's people and room, made when something is asked of them that is not kept.
+class StudyRenderer {
+ public:
+  explicit StudyRenderer(const KeyStudy& study) : study_(study) {}
+  const simulator::Performance& performance() {
+    if (!performance_) performance_ = simulator::make_performance({.person = study_.person, .act = study_.act});
+    return *performance_;
+  }
+  simulator::SceneRenderer& studio() {
+    if (!studio_)
+      studio_ =
+          std::make_unique<simulator::SceneRenderer>(performance(), study_.cameras, study_.sensor, study_.backdrop);
+    return *studio_;
+  }
+
+ private:
+  const KeyStudy& study_;
+  std::unique_ptr<simulator::Performance> performance_;
+  std::unique_ptr<simulator::SceneRenderer> studio_;
+};
+
+// `share` of the take gone by, 0 to 1.
+cv::Mat in_drifted_light(const cv::Mat& rgb, double share) {
+  const double light = 0.92 + 0.12 * share, red = 0.03 * (share - 0.67);
+  cv::Mat table(1, 256, CV_8UC3), result;
+  for (int i = 0; i < 256; ++i)
+    for (int c = 0; c < 3; ++c)
+      table.at<cv::Vec3b>(i)[c] = capture::srgb8_of(std::min(1.0, light *
+                                                                      (c == 0   ? 1.0 + red
+                                                                       : c == 2 ? 1.0 - red
+                                                                                : 1.0) *
+                                                                      capture::linear_of_srgb(i / 255.0)));
+  cv::LUT(rgb, table, result);
+  return result;
+}
+
+}  // namespace
+
+std::vector<std::vector<cv::Mat>> render_drifting_take(const KeyStudy& study, int count, const fs::path& keep) {
+  const KeptPictures kept(keep, study);
+  StudyRenderer renderer(study);
+  std::vector<std::vector<cv::Mat>> by_camera(study.cameras.size());
+  for (int k = 0; k < count; ++k) {
+    const int frame = (2 * k + 1) * renderer.performance().frames() / (2 * count);
+    std::vector<simulator::ScenePicture> pictures;
+    for (std::size_t i = 0; i < by_camera.size(); ++i) {
+      const cv::Mat rgb = kept.get(fmt::format("take{:04}-{:02}", frame, i), 3, [&] {
+        if (pictures.empty())
+          pictures = renderer.studio().pictures(simulator::act_seconds(frame), static_cast<std::uint64_t>(frame));
+        return to_rgb(as_sent(pictures[i].deep));
+      });
+      by_camera[i].push_back(in_drifted_light(rgb, (k + 0.5) / count));
+    }
+  }
+  return by_camera;
+}
+
 RenderedStudy render(const KeyStudy& study, const fs::path& keep) {
   const KeptPictures kept(keep, study);
-  std::unique_ptr<simulator::Performance> performance;
-  std::unique_ptr<simulator::SceneRenderer> studio;
-  const auto renderer = [&]() -> simulator::SceneRenderer& {
-    if (!studio) {
-      performance = simulator::make_performance({.person = study.person, .act = study.act});
-      studio = std::make_unique<simulator::SceneRenderer>(*performance, study.cameras, study.sensor, study.backdrop);
-    }
-    return *studio;
-  };
+  StudyRenderer study_renderer(study);
+  const auto renderer = [&]() -> simulator::SceneRenderer& { return study_renderer.studio(); };
   RenderedStudy rendered{study.person, {}, {}};
   for (std::size_t i = 0; i < study.cameras.size(); ++i)
     rendered.plates.push_back(
