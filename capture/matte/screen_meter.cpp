@@ -7,53 +7,20 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "capture/srgb.h"
+#include "capture/matte/screen_light.h"
 #include "config/errors.h"
 
 namespace rotunda::capture {
 namespace {
 
-constexpr int kClipped = 254;             // grey levels
-constexpr double kLeastShare = 0.02;      // of the picture; less is no screen
-constexpr double kUneven = 2.0;           // one stop: as far as the key is built for
-constexpr double kWeakSaturation = 0.35;  // linear; a channel lead of 1.17 in codes, which makes a pixel screen, is 0.3
+constexpr double kLeastShare = 0.02;  // of the picture; less is no screen
+constexpr double kUneven = 2.0;       // one stop: as far as the key is built for
 constexpr double kMostClipped = 0.01;
 constexpr double kLeastHeadroom = 4.0;   // standard deviations: 1 pixel in 30 000 by chance
 constexpr double kMostSpill = 12.0;      // grey levels
 constexpr double kPerformerAt = 0.25;    // the key's log ratio (chroma_key.h) at which a lit pixel is performer
 constexpr double kKeyBlur = 0.5;         // sigma of the key's own smoothing, pixels: it halves white noise
 constexpr double kNoiseAfterBlur = 0.6;  // standard deviation left by it
-constexpr double kBand = 1.0 / 3.0;      // stops, of the false colours
-
-int own_channel(Backdrop backdrop) {
-  return backdrop == Backdrop::blue ? 2 : 1;
-}
-
-float lead_needed() {
-  return 1.17F;  // as backdrop_plate.cpp: blue paint leads by a third and more
-}
-
-// 255 where a pixel is of the backdrop's hue; specks and holes of a few pixels smoothed away.
-cv::Mat screen_mask(const cv::Mat& rgb, Backdrop backdrop) {
-  const int own = own_channel(backdrop);
-  cv::Mat mask(rgb.size(), CV_8UC1);
-  for (int y = 0; y < rgb.rows; ++y)
-    for (int x = 0; x < rgb.cols; ++x) {
-      const auto& p = rgb.at<cv::Vec3b>(y, x);
-      const int others = std::max(p[(own + 1) % 3], p[(own + 2) % 3]);
-      mask.at<std::uint8_t>(y, x) =
-          p[own] >= 12 && static_cast<float>(p[own]) >= lead_needed() * static_cast<float>(others) ? 255 : 0;
-    }
-  cv::medianBlur(mask, mask, 5);
-  return mask;
-}
-
-// The performer and the pixels about the outline, which mix both.
-cv::Mat performer_and_edge(const cv::Mat& alpha) {
-  cv::Mat wide;
-  cv::dilate(alpha >= 8, wide, cv::getStructuringElement(cv::MORPH_ELLIPSE, {5, 5}));
-  return wide;
-}
 
 double percentile(std::vector<float>& values, double share) {
   if (values.empty()) return 0.0;
@@ -160,19 +127,6 @@ void name_extremes(const cv::Mat& light, const cv::Mat& mask, ScreenReading& rea
   if (brightest < 1.2 * darkest) reading.brightest.clear(), reading.darkest.clear();
 }
 
-cv::Mat own_light(const cv::Mat& rgb, int own) {
-  cv::Mat codes, light;
-  cv::extractChannel(rgb, codes, own);
-  cv::LUT(codes, cv::Mat(1, 256, CV_32FC1, const_cast<float*>(linear_table().data())), light);
-  return light;
-}
-
-double saturation_at(const cv::Vec3b& p, int own) {
-  const auto& table = linear_table();
-  const float others = std::max(table[p[(own + 1) % 3]], table[p[(own + 2) % 3]]);
-  return 1.0 - others / std::max(1e-4F, table[p[own]]);
-}
-
 void advise(ScreenReading& r, const char* colour) {
   const auto say = [&](std::string sentence) { r.advice.push_back(std::move(sentence)); };
   if (r.share < kLeastShare)
@@ -207,68 +161,13 @@ void check(std::span<const cv::Mat> pictures, const cv::Mat& alpha) {
     throw InvalidInput("the matte must be of the picture's size");
 }
 
-// Darker than the median to brighter, in thirds of a stop.
-cv::Vec3b false_colour(double stops) {
-  static const std::array<cv::Vec3b, 9> kColours = {
-      cv::Vec3b{28, 24, 110},  cv::Vec3b{40, 60, 190},  cv::Vec3b{52, 120, 220},
-      cv::Vec3b{70, 180, 190}, cv::Vec3b{70, 180, 95},  cv::Vec3b{170, 200, 70},
-      cv::Vec3b{240, 190, 50}, cv::Vec3b{240, 120, 40}, cv::Vec3b{215, 40, 40}};
-  const int band = std::clamp(static_cast<int>(std::lround(stops / kBand)) + 4, 0, 8);
-  return kColours[static_cast<std::size_t>(band)];
-}
-
-void write_line(cv::Mat& picture, const std::string& text, cv::Point at, double scale,
-                const cv::Scalar& colour = {235, 235, 235}) {
-  cv::putText(picture, text, at, cv::FONT_HERSHEY_SIMPLEX, scale, colour, 1, cv::LINE_AA);
-}
-
-// A patch a third of a stop, then what the other paints mean.
-void draw_legend(cv::Mat& strip, int y, double scale) {
-  const int patch = std::max(12, strip.cols / 24);
-  for (int i = 0; i < 9; ++i) {
-    const auto colour = false_colour((i - 4) * kBand);
-    strip(cv::Rect(8 + i * patch, y, patch, 12)).setTo(cv::Scalar(colour[0], colour[1], colour[2]));
-  }
-  write_line(strip, "-4/3", {8, y + 26}, 0.8 * scale);
-  write_line(strip, "even", {8 + 4 * patch, y + 26}, 0.8 * scale);
-  write_line(strip, "+4/3 stop", {8 + 8 * patch, y + 26}, 0.8 * scale);
-  const int x = 8 + 11 * patch;
-  strip(cv::Rect(x, y, patch, 12)).setTo(cv::Scalar(225, 40, 200));
-  write_line(strip, "weak", {x, y + 26}, 0.8 * scale);
-  for (int i = 0; i < patch; ++i)
-    for (int j = 0; j < 12; ++j)
-      strip.at<cv::Vec3b>(y + j, x + 2 * patch + i) = (i + j) % 8 < 4 ? cv::Vec3b(255, 255, 255) : cv::Vec3b(0, 0, 0);
-  write_line(strip, "clipped", {x + 2 * patch, y + 26}, 0.8 * scale);
-}
-
-cv::Mat text_strip(int width, const ScreenReading& r, const std::string& title) {
-  const double scale = std::clamp(width / 1500.0, 0.36, 0.8);
-  const int row = static_cast<int>(std::lround(40 * scale));
-  const auto lines = static_cast<int>(r.advice.size());
-  cv::Mat strip(row * (2 + std::max(1, lines)) + 44, width, CV_8UC3, cv::Scalar(24, 26, 30));
-  write_line(strip,
-             fmt::format("{}: {:.0f} % screen, {:.2f}:1, saturation {:.2f} (least {:.2f})", title, 100 * r.share,
-                         r.unevenness, r.saturation, r.least_saturation),
-             {8, row}, scale);
-  write_line(strip,
-             fmt::format("noise {:.1f} levels, {:.0f} deviations of headroom, {:.1f} % clipped{}", r.noise, r.headroom,
-                         100 * r.clipped, r.spill ? fmt::format(", spill {:.0f} levels", *r.spill) : ""),
-             {8, 2 * row}, scale);
-  for (int i = 0; i < lines; ++i)
-    write_line(strip, r.advice[static_cast<std::size_t>(i)], {8, (3 + i) * row}, scale, {255, 190, 90});
-  if (lines == 0) write_line(strip, "good", {8, 3 * row}, scale, {120, 220, 140});
-  draw_legend(strip, strip.rows - 34, scale);
-  return strip;
-}
-
 }  // namespace
 
 ScreenReading measure_screen(std::span<const cv::Mat> pictures, Backdrop backdrop, const cv::Mat& alpha) {
   check(pictures, alpha);
   const cv::Mat& rgb = pictures[0];
   const int own = own_channel(backdrop);
-  cv::Mat mask = screen_mask(rgb, backdrop);
-  if (!alpha.empty()) mask.setTo(0, performer_and_edge(alpha));
+  const cv::Mat mask = screen_mask(rgb, backdrop, alpha);
   const cv::Mat light = own_light(rgb, own);
   ScreenReading reading;
   reading.share = static_cast<double>(cv::countNonZero(mask)) / static_cast<double>(mask.total());
@@ -280,7 +179,7 @@ ScreenReading measure_screen(std::span<const cv::Mat> pictures, Backdrop backdro
     auto saturations = over_screen(mask, [&](int y, int x) { return saturation_at(rgb.at<cv::Vec3b>(y, x), own); });
     reading.saturation = percentile(saturations, 0.5);
     reading.least_saturation = percentile(saturations, 0.05);
-    const auto at_end = over_screen(mask, [&](int y, int x) { return rgb.at<cv::Vec3b>(y, x)[own] >= kClipped; });
+    const auto at_end = over_screen(mask, [&](int y, int x) { return rgb.at<cv::Vec3b>(y, x)[own] >= kScreenClipped; });
     reading.clipped =
         static_cast<double>(std::count(at_end.begin(), at_end.end(), 1.0F)) / static_cast<double>(at_end.size());
     reading.noise = noise_of(pictures, mask, own);
@@ -290,29 +189,6 @@ ScreenReading measure_screen(std::span<const cv::Mat> pictures, Backdrop backdro
   }
   advise(reading, colour);
   return reading;
-}
-
-cv::Mat screen_overlay(const cv::Mat& rgb, Backdrop backdrop, const ScreenReading& reading, const std::string& title) {
-  check(std::span(&rgb, 1), {});
-  const int own = own_channel(backdrop);
-  const cv::Mat mask = screen_mask(rgb, backdrop), light = own_light(rgb, own);
-  auto levels = over_screen(mask, [&](int y, int x) { return light.at<float>(y, x); });
-  const double median = std::max(1e-4, percentile(levels, 0.5));
-  cv::Mat grey, overlay;
-  cv::cvtColor(rgb, grey, cv::COLOR_RGB2GRAY);
-  cv::cvtColor(grey * 0.45, overlay, cv::COLOR_GRAY2RGB);
-  for (int y = 0; y < rgb.rows; ++y)
-    for (int x = 0; x < rgb.cols; ++x) {
-      if (!mask.at<std::uint8_t>(y, x)) continue;
-      const auto& p = rgb.at<cv::Vec3b>(y, x);
-      auto& out = overlay.at<cv::Vec3b>(y, x);
-      out = false_colour(std::log2(std::max(1e-4, static_cast<double>(light.at<float>(y, x))) / median));
-      if (saturation_at(p, own) < kWeakSaturation) out = {225, 40, 200};
-      if (p[own] >= kClipped) out = (x + y) % 8 < 4 ? cv::Vec3b(255, 255, 255) : cv::Vec3b(0, 0, 0);
-    }
-  cv::Mat result;
-  cv::vconcat(overlay, text_strip(rgb.cols, reading, title), result);
-  return result;
 }
 
 }  // namespace rotunda::capture

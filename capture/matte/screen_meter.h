@@ -32,9 +32,4 @@ struct ScreenReading {
 // performer. Throws InvalidInput without pictures or for sizes and types that differ.
 ScreenReading measure_screen(std::span<const cv::Mat> pictures, Backdrop backdrop, const cv::Mat& alpha = {});
 
-// The picture in false colours: the screen's brightness against its median in thirds of a stop (blue: darker, green:
-// even, red: brighter), clipped parts white with stripes, weak colour magenta, what is no screen in grey. With a legend
-// and the figures in a strip below, `title` (a camera's name) first.
-cv::Mat screen_overlay(const cv::Mat& rgb, Backdrop backdrop, const ScreenReading& reading, const std::string& title);
-
 }  // namespace rotunda::capture

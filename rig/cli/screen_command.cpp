@@ -10,6 +10,7 @@
 
 #include "capture/matte/chroma_key.h"
 #include "capture/matte/screen_meter.h"
+#include "capture/matte/screen_overlay.h"
 #include "capture/picture.h"
 #include "capture/take/take_reader.h"
 #include "config/errors.h"
@@ -152,7 +153,7 @@ int measure(const std::vector<CameraScreen>& cameras, Backdrop backdrop, const f
     for (const auto& sentence : reading.advice) advice.push_back(camera.camera + ": " + sentence);
     if (!overlay.empty())
       capture::write_png(overlay / (camera.camera + ".png"),
-                         capture::screen_overlay(camera.pictures[0], backdrop, reading, camera.camera));
+                         capture::screen_overlay({camera.pictures[0], camera.alpha, camera.camera}, backdrop, reading));
   }
   if (as_json) fmt::print("{}\n", json{{"cameras", list}, {"advice", advice}}.dump(2));
   for (const auto& sentence : advice) fmt::print(stderr, "{}\n", sentence);
@@ -185,7 +186,7 @@ void add_screen_command(CommandLine& line) {
   screen->add_option("--backdrop", request->backdrop, "blue or green (else the take's rig file's, else blue)")
       ->check(CLI::IsMember({"blue", "green"}));
   screen->add_option("--overlay", request->overlay,
-                     "write DIR/<camera>.png: brightness in false colours, with figures");
+                     "write DIR/<camera>.png: loud colours where the screen is bad, with figures");
   screen->footer(
       "uneven: brightest to darkest part; saturation 0 to 1 and where it is least; noise and spill in grey levels;\n"
       "headroom: deviations of noise between the screen and what the key calls performer. Exit code 1 if something\n"

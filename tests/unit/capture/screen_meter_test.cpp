@@ -6,6 +6,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "capture/matte/screen_overlay.h"
 #include "capture/srgb.h"
 #include "config/errors.h"
 
@@ -79,21 +80,28 @@ TEST(ScreenMeter, SpillIsWhatTheRimHasBeyondTheCloth) {
   EXPECT_THAT(reading.advice, ElementsAre(HasSubstr("spill")));
 }
 
-TEST(ScreenMeter, TheOverlayShowsDarkAndBrightApart) {
+TEST(ScreenMeter, TheOverlayIsLoudWhereTheScreenIsDarkOrBrightAndQuietBetween) {
   const auto picture = screen(3.0, 0.0, 0.0, 1);
-  const auto overlay =
-      screen_overlay(picture, Backdrop::blue, measure_screen(std::span(&picture, 1), Backdrop::blue), "cam00");
+  const auto reading = measure_screen(std::span(&picture, 1), Backdrop::blue);
+  const auto overlay = screen_overlay({picture, {}, "cam00"}, Backdrop::blue, reading);
   ASSERT_EQ(overlay.cols, picture.cols);
   EXPECT_GT(overlay.rows, picture.rows);
   const auto left = overlay.at<cv::Vec3b>(60, 2), right = overlay.at<cv::Vec3b>(60, 157);
-  EXPECT_GT(left[2], left[0]);
+  EXPECT_EQ(left, cv::Vec3b(45, 85, 235));
   EXPECT_GT(right[0], right[2]);
+  EXPECT_LT(overlay.at<cv::Vec3b>(60, 80)[2], picture.at<cv::Vec3b>(60, 80)[2]);  // its own colour, dimmed
+  cv::Mat performer = cv::Mat::zeros(picture.size(), CV_8UC1);
+  performer(cv::Rect(0, 40, 20, 40)).setTo(255);
+  const auto with_performer = screen_overlay({picture, performer, "cam00"}, Backdrop::blue, reading);
+  const auto grey = with_performer.at<cv::Vec3b>(60, 2);
+  EXPECT_EQ(grey[0], grey[2]);
 }
 
 TEST(ScreenMeter, PicturesThatDoNotFitAreRefused) {
   EXPECT_THROW(measure_screen({}, Backdrop::blue), InvalidInput);
   const std::vector<cv::Mat> unlike = {screen(1, 0, 0, 1), cv::Mat(10, 10, CV_8UC3)};
   EXPECT_THROW(measure_screen(unlike, Backdrop::blue), InvalidInput);
+  EXPECT_THROW(screen_overlay({unlike[0], cv::Mat::zeros(5, 5, CV_8UC1), ""}, Backdrop::blue, {}), InvalidInput);
 }
 
 }  // namespace
