@@ -111,6 +111,7 @@ ServedStudio studio_of_rig(const std::filesystem::path& rig_file) {
   studio.performance.act = rig.simulator.act;
   studio.performance.travel = rig.simulator.travel;
   studio.performance.seed = static_cast<std::uint32_t>(rig.simulator.seed);
+  studio.backdrop.paint = rig.backdrop == "green" ? ScreenPaint::green : ScreenPaint::blue;
   studio.backdrop.wear = rig.simulator.wear;
   studio.backdrop.unevenness = rig.simulator.unevenness;
   studio.lateral_colour_px = rig.simulator.lateral_colour_px;

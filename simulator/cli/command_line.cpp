@@ -102,8 +102,11 @@ LayoutOptions layout_of(const LayoutArguments& arguments, const PerformanceArgum
 }
 
 void add_studio_options(CLI::App& command, StudioArguments& arguments) {
+  command.add_option("--screen", arguments.screen, "paint of the room: blue or green (the rig file's, else blue)")
+      ->check(CLI::IsMember({"blue", "green"}));
   command
-      .add_option("--wear", arguments.wear, "of the blue room: seams, roller marks, scuffs, tape; 0 none, 2 many (1)")
+      .add_option("--wear", arguments.wear,
+                  "of the painted room: seams, roller marks, scuffs, tape; 0 none, 2 many (1)")
       ->check(CLI::Range(0.0, 4.0));
   command.add_option("--unevenness", arguments.unevenness, "of the light on it, brightest to darkest (2)")
       ->check(CLI::Range(1.0, 10.0));
@@ -112,6 +115,8 @@ void add_studio_options(CLI::App& command, StudioArguments& arguments) {
 }
 
 void apply(const StudioArguments& arguments, ServedStudio& studio) {
+  if (!arguments.screen.empty())
+    studio.backdrop.paint = arguments.screen == "green" ? ScreenPaint::green : ScreenPaint::blue;
   if (arguments.wear) studio.backdrop.wear = *arguments.wear;
   if (arguments.unevenness) studio.backdrop.unevenness = *arguments.unevenness;
   if (arguments.lateral_colour_px) studio.lateral_colour_px = *arguments.lateral_colour_px;

@@ -57,8 +57,9 @@ bool travels(const PerformanceOptions& performance);
 // For whom they look at: who travels needs them farther out, unless the arguments say where they stand.
 LayoutOptions layout_of(const LayoutArguments& arguments, const PerformanceArguments& performance = {});
 
-// --wear, --unevenness, --lateral-colour: how perfect room and lenses are.
+// --screen, --wear, --unevenness, --lateral-colour: what room and lenses are like.
 struct StudioArguments {
+  std::string screen;
   std::optional<double> wear, unevenness, lateral_colour_px;
 };
 void add_studio_options(CLI::App& command, StudioArguments& arguments);

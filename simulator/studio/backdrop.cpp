@@ -84,6 +84,7 @@ Backdrop make_backdrop(const capture::CameraModel& camera, const BackdropOptions
   const Eigen::Vector3d eye = camera.centre();
   Backdrop backdrop{cv::Mat(camera.height, camera.width, CV_32FC3, cv::Scalar::all(0.0)),
                     cv::Mat(camera.height, camera.width, CV_32FC2, cv::Scalar::all(kNoFloor))};
+  if (options.paint == ScreenPaint::green) backdrop.fading = {2, 0, 1};
   tbb::parallel_for(0, camera.height, [&](int y) {
     for (int x = 0; x < camera.width; ++x) {
       const auto ray = capture::ray_through(camera, {x, y});
@@ -138,9 +139,8 @@ void lay_shadow(const Backdrop& backdrop, const ContactShadow& shadow, cv::Mat& 
         const float light = shadow.at(floor[x][0], floor[x][1]);
         if (light >= 0.999F) continue;
         const float fourth = std::sqrt(std::sqrt(light));
-        pixel[x][0] *= light * fourth;
-        pixel[x][1] *= light * std::sqrt(fourth);
-        pixel[x][2] *= light;
+        const std::array<float, 3> powers{1.0F, std::sqrt(fourth), fourth};
+        for (int c = 0; c < 3; ++c) pixel[x][c] *= light * powers[backdrop.fading[static_cast<std::size_t>(c)]];
       }
     }
   });

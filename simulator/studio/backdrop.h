@@ -1,6 +1,7 @@
 #pragma once
 // The empty studio (painted_room.h) as one camera sees it, and the shade that figures throw on its floor. World frame,
 // metres.
+#include <array>
 #include <opencv2/core.hpp>
 #include <vector>
 
@@ -14,6 +15,8 @@ namespace rotunda::simulator {
 struct Backdrop {
   cv::Mat linear;  // CV_32FC3, red, green, blue: what the camera sees without anyone on the stage
   cv::Mat floor;   // CV_32FC2: x and y of the floor point at each pixel; far away where there is wall
+  // How much faster than the paint's own channel each goes in shadow: eighths of a power of the light.
+  std::array<std::size_t, 3> fading{2, 1, 0};
 };
 // The same with a wall that stands behind all cameras.
 BackdropOptions room_around(const std::vector<capture::CameraModel>& cameras, BackdropOptions options);
@@ -28,7 +31,8 @@ struct ContactShadow {
 };
 ContactShadow contact_shadow(const std::vector<recon::TriangleMesh>& surfaces, const ShadowMaps& maps);
 
-// Backdrop with the shadow on it, in `picture` (a copy of backdrop.linear); shadow on blue paint is bluer.
+// Backdrop with the shadow on it, in `picture` (a copy of backdrop.linear); shadow on blue paint is bluer, for it is
+// filled with light off the paint.
 void lay_shadow(const Backdrop& backdrop, const ContactShadow& shadow, cv::Mat& picture);
 
 }  // namespace rotunda::simulator

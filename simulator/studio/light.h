@@ -20,8 +20,9 @@ struct LitPoint {
   Eigen::Vector3f position, normal;
   float openness = 1.0F;  // how much of its nearest surroundings (folds, creases) it sees, 0 to 1
 };
-// What walls and floor throw back: blue, and what a grey studio as bright would.
+// What walls and floor throw back: the screen's colour, and what a grey studio as bright as the blue one would.
 inline const Eigen::Vector3f kWallGlow{0.03F, 0.09F, 0.42F};
+inline const Eigen::Vector3f kGreenGlow{0.05F, 0.37F, 0.08F};
 inline const Eigen::Vector3f kGreyGlow = Eigen::Vector3f::Constant(0.101F);
 
 // Light that falls on a surface point; `visibility`: what the figures leave of lamps and walls.

@@ -19,13 +19,22 @@ using Eigen::Vector3d;
 using Eigen::Vector3f;
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
-const Vector3d kPaint(0.030, 0.105, 0.480);  // linear reflectance of chroma-key blue
-const Vector3d kTape(0.052, 0.140, 0.430);   // of tape in nearly the paint's colour
-constexpr double kLevel = 0.95;              // mean light on floor and wall
-constexpr double kCove = 0.6;                // metres of floor and of wall that bend into each other
-constexpr int kFloods = 9;                   // lamps that wash the wall
-constexpr double kWalked = 3.2;              // metres about the middle in which people scuff the floor
-constexpr int kWalkedCells = 16;             // along each side
+// Linear reflectances of chroma-key paints, and of tape in nearly the paint's colour.
+struct Colours {
+  Vector3d paint, tape;
+};
+const Colours kBlueScreen{{0.030, 0.105, 0.480}, {0.052, 0.140, 0.430}};
+const Colours kGreenScreen{{0.055, 0.420, 0.090}, {0.080, 0.375, 0.125}};
+
+const Colours& colours_of(ScreenPaint paint) {
+  return paint == ScreenPaint::blue ? kBlueScreen : kGreenScreen;
+}
+
+constexpr double kLevel = 0.95;   // mean light on floor and wall
+constexpr double kCove = 0.6;     // metres of floor and of wall that bend into each other
+constexpr int kFloods = 9;        // lamps that wash the wall
+constexpr double kWalked = 3.2;   // metres about the middle in which people scuff the floor
+constexpr int kWalkedCells = 16;  // along each side
 constexpr int kScuffs = 90;
 constexpr double kPanel = 1.25, kSheet = 2.0;  // metres: widths of the wall's boards and of the floor's vinyl
 constexpr float kLampGlow = 7.0F;              // of a soft box looked into
@@ -154,22 +163,23 @@ void PaintedRoom::scuff_floor() {
 
 // Vinyl sheets, their joints under tape, marks for the performer, scuffs and the dust of shoes.
 Vector3d PaintedRoom::floor_paint(const Spot& spot) const {
+  const auto& colours = colours_of(options_.paint);
   const Vector3d& p = spot.point;
   const double wear = options_.wear, fine = spot.footprint;
   const std::uint32_t seed = options_.seed;
   const double blotch = 0.022 * fractal_noise(p / 0.7, 3, seed);
   const double roller = told(0.10, fine) * 0.010 * solid_noise(Vector3d(p.x() / 0.22, p.y() / 0.9, 0.0), seed + 9) +
                         told(0.02, fine) * 0.012 * solid_noise(p / 0.02, seed + 10);
-  Vector3d paint = kPaint * (1.0 + wear * (blotch + roller));
+  Vector3d paint = colours.paint * (1.0 + wear * (blotch + roller));
   const double sheet = std::floor(p.x() / kSheet + 0.5);
   paint *= 1.0 + wear * 0.020 * (hashed_unit(static_cast<std::int64_t>(sheet), 3, 0, seed) - 0.5);
   const double joint = from_multiple(p.x() - 0.5 * kSheet, kSheet);
   const double frayed = 0.001 * solid_noise(Vector3d(0.0, p.y() / 0.03, 0.0), seed + 11);
-  paint += std::min(1.0, wear) * 0.35 * line(joint, 0.024 + frayed, fine) * (kTape - paint);
+  paint += std::min(1.0, wear) * 0.35 * line(joint, 0.024 + frayed, fine) * (colours.tape - paint);
   paint *= 1.0 - wear * 0.10 * (line(joint - 0.024, 0.0015, fine) + line(joint + 0.024, 0.0015, fine));
   const double mark = std::max(line(p.x(), 0.012, fine) * line(p.y(), 0.09, fine),  // where the performer begins
                                line(p.y(), 0.012, fine) * line(p.x() - 0.03, 0.06, fine));
-  paint += std::min(1.0, wear) * 0.7 * mark * (kTape - paint);
+  paint += std::min(1.0, wear) * 0.7 * mark * (colours.tape - paint);
   const double dust = std::exp(-p.head<2>().squaredNorm() / 2.2) * std::max(0.0, fractal_noise(p / 0.21, 3, seed + 20));
   paint += wear * dust * Vector3d(0.012, 0.012, 0.006);
   const int column = walked_cell(p.x()), row = walked_cell(p.y());
@@ -184,6 +194,7 @@ Vector3d PaintedRoom::floor_paint(const Spot& spot) const {
 
 // Boards, joints filled and painted over, strokes of the roller that lap.
 Vector3d PaintedRoom::wall_paint(const Spot& spot) const {
+  const auto& colours = colours_of(options_.paint);
   const Vector3d& p = spot.point;
   const double wear = options_.wear, fine = spot.footprint, round = options_.wall_radius * std::atan2(p.y(), p.x());
   const std::uint32_t seed = options_.seed;
@@ -194,7 +205,7 @@ Vector3d PaintedRoom::wall_paint(const Spot& spot) const {
   const double lap = told(0.10, fine) * 0.016 * tint(std::floor(round / 0.23 + waver), 1);
   const double nap = told(0.03, fine) * 0.010 * solid_noise(Vector3d(round / 0.03, 0.0, p.z() / 0.05), seed + 13);
   const double blotch = 0.016 * fractal_noise(p / 0.9, 3, seed + 2);
-  Vector3d paint = kPaint * (1.0 + wear * (lap + nap + blotch + 0.022 * tint(std::floor(round / kPanel), 2)));
+  Vector3d paint = colours.paint * (1.0 + wear * (lap + nap + blotch + 0.022 * tint(std::floor(round / kPanel), 2)));
   const double joint = from_multiple(round, kPanel), across = p.z() - 2.44;
   const double filled = std::exp(-std::pow(joint / 0.05, 2)) + std::exp(-std::pow(across / 0.05, 2));
   paint *= 1.0 + wear * 0.014 * filled;

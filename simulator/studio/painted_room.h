@@ -8,7 +8,10 @@
 
 namespace rotunda::simulator {
 
+enum class ScreenPaint { blue, green };
+
 struct BackdropOptions {
+  ScreenPaint paint = ScreenPaint::blue;
   double unevenness = 2.0;   // light on floor and wall, brightest to darkest; 1: perfectly even
   double wear = 1.0;         // seams, roller marks, scuffs, tape: 1 a studio in use, 0 none of them, 2 a worn one
   double gloss = 0.5;        // of the paint, the share that is not dead matt: lamps' hot spots on the floor
@@ -42,6 +45,7 @@ class PaintedRoom {
   double lamp_light(const Spot& spot) const;  // before it is trimmed
   void trim_lamps();
   void scuff_floor();
+  // Linear reflectances.
   Eigen::Vector3d floor_paint(const Spot& spot) const;
   Eigen::Vector3d wall_paint(const Spot& spot) const;
   Eigen::Vector3f shine(const Spot& spot, const Eigen::Vector3d& to_eye) const;

@@ -67,8 +67,8 @@ nlohmann::json describe(const SensorOptions& sensor) {
 }
 
 nlohmann::json describe(const BackdropOptions& backdrop) {
-  const auto& [unevenness, wear, gloss, wall_radius, wall_height, seed] = backdrop;
-  return {unevenness, wear, gloss, wall_radius, wall_height, seed};
+  const auto& [paint, unevenness, wear, gloss, wall_radius, wall_height, seed] = backdrop;
+  return {paint == ScreenPaint::blue ? "blue" : "green", unevenness, wear, gloss, wall_radius, wall_height, seed};
 }
 
 }  // namespace

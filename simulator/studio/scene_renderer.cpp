@@ -24,7 +24,7 @@ std::array<double, 2> shutter_times(const Performance& performance, double secon
 
 std::vector<std::vector<ArrivingLight>> light_on(const std::vector<recon::TriangleMesh>& surfaces,
                                                  const std::vector<Figure>& figures, const ShadowMaps& maps,
-                                                 const Eigen::Vector3f& glow = kWallGlow) {
+                                                 const Eigen::Vector3f& glow) {
   std::vector<std::vector<ArrivingLight>> light;
   for (std::size_t i = 0; i < surfaces.size(); ++i) {
     const auto& surface = surfaces[i];
@@ -53,7 +53,8 @@ SceneRenderer::SceneRenderer(const Performance& performance, std::vector<capture
     : performance_(performance),
       cameras_(std::move(cameras)),
       options_(std::move(sensor)),
-      figures_(performance_.figures()) {
+      figures_(performance_.figures()),
+      glow_(backdrop.paint == ScreenPaint::blue ? kWallGlow : kGreenGlow) {
   const auto room = room_around(cameras_, backdrop);
   for (const auto& camera : cameras_) {
     backdrops_.push_back(make_backdrop(camera, room));
@@ -68,7 +69,7 @@ SceneRenderer::~SceneRenderer() = default;
 SceneRenderer::Moment SceneRenderer::moment_at(double seconds) const {
   const auto surfaces = performance_.surfaces_at(seconds);
   const ShadowMaps maps(surfaces);
-  return {seconds, light_on(surfaces, performance_.figures(), maps), contact_shadow(surfaces, maps), {}};
+  return {seconds, light_on(surfaces, performance_.figures(), maps, glow_), contact_shadow(surfaces, maps), {}};
 }
 
 // Cameras that expose as long see the same.

@@ -52,6 +52,7 @@ class SceneRenderer {
   std::vector<Sensor> sensors_;
   std::vector<LensFlaws> lenses_;
   std::vector<Backdrop> backdrops_;
+  Eigen::Vector3f glow_;  // of walls and floor
 };
 
 }  // namespace rotunda::simulator

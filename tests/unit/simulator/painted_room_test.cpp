@@ -47,6 +47,13 @@ TEST(PaintedRoom, IsBlueWherePeopleLookAndDarkBeyondTheWallsEdge) {
   EXPECT_LT(beyond.linear.z(), 0.03F);
 }
 
+TEST(PaintedRoom, IsGreenIfAsked) {
+  const PaintedRoom room({.paint = ScreenPaint::green});
+  const auto seen = room.seen_along(kEye, Vector3d(-1.0, 0.1, -0.3).normalized(), 0.001).linear;
+  EXPECT_GT(seen.y(), 2.0F * seen.z());
+  EXPECT_GT(seen.z(), seen.x());
+}
+
 TEST(PaintedRoom, WearIsOfTheSeedAndCanBeSwitchedOff) {
   const auto differ = [](const BackdropOptions& a, const BackdropOptions& b) {
     const PaintedRoom one(a), other(b);
