@@ -14,6 +14,7 @@ namespace rotunda::capture {
 namespace {
 
 constexpr std::array kBlurs = {0.5, 0.7, 1.0, 1.4, 2.0, 2.8};  // pixels
+constexpr double kMiddleBlur = 1.0;                            // where corners are looked for before the blur is known
 constexpr std::size_t kNearest = 12;                           // points a local homography rests on
 constexpr std::size_t kBlurCorners = 6;                        // corners that tell a picture's blur
 constexpr double kFirstReach = 3.5, kSecondReach = 1.5;        // pixels
@@ -43,18 +44,15 @@ double blur_of(const cv::Mat& linear, const BoardPrint& print, std::vector<Expec
   std::sort(corners.begin(), corners.end(),
             [](const auto& a, const auto& b) { return a.on_board.norm() < b.on_board.norm(); });
   corners.resize(std::min(corners.size(), kBlurCorners));
-  double best = kBlurs[1], highest = 0.0;
-  for (const double blur : kBlurs) {
-    double sum = 0.0;
-    for (const auto& corner : corners)
-      if (const auto fit = fit_corner(linear, print, corner.on_board, corner.image_from_board,
-                                      {.blur_px = blur, .reach_px = kFirstReach, .least_correlation = 0.5}))
-        sum += fit->correlation;
-    if (sum <= highest) continue;
-    highest = sum;
-    best = blur;
+  std::array<double, kBlurs.size()> sums{};
+  for (const auto& corner : corners) {
+    const auto correlations =
+        correlation_at_blurs(linear, print, corner.on_board, corner.image_from_board,
+                             {.blur_px = kMiddleBlur, .reach_px = kFirstReach, .least_correlation = 0.5}, kBlurs);
+    for (std::size_t i = 0; i < correlations.size(); ++i) sums[i] += correlations[i];
   }
-  return best;
+  const auto best = std::max_element(sums.begin(), sums.end());
+  return *best > 0.0 ? kBlurs[static_cast<std::size_t>(best - sums.begin())] : kMiddleBlur;
 }
 
 std::vector<FoundCorner> fit_all(const cv::Mat& linear, const BoardPrint& print, std::span<const Expected> corners,

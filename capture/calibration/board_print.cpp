@@ -37,6 +37,8 @@ cv::Mat black_cells(const Board& board, int cells_a_square) {
 
 BoardPrint::BoardPrint(const Board& board) : board_(board), edges_(edges_within_square(board)) {
   const int cells = static_cast<int>(edges_.size()) - 1;
+  for (std::size_t i = 0; i + 1 < edges_.size(); ++i) inverse_widths_.push_back(1.0 / (edges_[i + 1] - edges_[i]));
+  if (cells > 1) marker_scale_ = inverse_widths_[1];
   const cv::Mat black = black_cells(board, cells);
   columns_ = static_cast<std::size_t>(black.cols) + 1;
   table_.assign(columns_ * static_cast<std::size_t>(black.rows + 1), 0.0);
@@ -54,29 +56,33 @@ BoardPrint::BoardPrint(const Board& board) : board_(board), edges_(edges_within_
   }
 }
 
+// A marker's cells are equally wide; what is left of the square is one cell on either side.
 BoardPrint::Place BoardPrint::place_of(double squares, int count) const {
   const double within = std::clamp(squares, 0.0, static_cast<double>(count));
   const int square = std::min(static_cast<int>(within), count - 1);
   const double rest = within - square;
-  std::size_t cell = 0;
-  while (cell + 2 < edges_.size() && rest >= edges_[cell + 1]) ++cell;
-  return {static_cast<std::size_t>(square) * (edges_.size() - 1) + cell,
-          (rest - edges_[cell]) / (edges_[cell + 1] - edges_[cell])};
+  const auto cells = static_cast<int>(edges_.size()) - 1;
+  int cell = 0;
+  if (cells > 1 && rest >= edges_[1])
+    cell = std::min(1 + static_cast<int>((rest - edges_[1]) * marker_scale_), cells - 1);
+  const auto i = static_cast<std::size_t>(cell);
+  return {static_cast<std::size_t>(square * cells + cell), (rest - edges_[i]) * inverse_widths_[i]};
 }
 
 // Within a cell the integral is bilinear, so interpolating the table is exact.
-double BoardPrint::black_before(double column, double row) const {
-  const auto [x, u] = place_of(column, board_.columns);
-  const auto [y, v] = place_of(row, board_.rows);
-  const double* at = table_.data() + y * columns_ + x;
+double BoardPrint::black_before(const Place& column, const Place& row) const {
+  const double u = column.share, v = row.share;
+  const double* at = table_.data() + row.cell * columns_ + column.cell;
   return (1 - v) * ((1 - u) * at[0] + u * at[1]) + v * ((1 - u) * at[columns_] + u * at[columns_ + 1]);
 }
 
 double BoardPrint::mean(double x, double y, double half_width, double half_height) const {
   const double column = x / board_.square + 0.5 * board_.columns, row = 0.5 * board_.rows - y / board_.square;
   const double w = half_width / board_.square, h = half_height / board_.square;
-  const double black = black_before(column + w, row + h) - black_before(column - w, row + h) -
-                       black_before(column + w, row - h) + black_before(column - w, row - h);
+  const Place left = place_of(column - w, board_.columns), right = place_of(column + w, board_.columns);
+  const Place top = place_of(row - h, board_.rows), bottom = place_of(row + h, board_.rows);
+  const double black =
+      black_before(right, bottom) - black_before(left, bottom) - black_before(right, top) + black_before(left, top);
   return 1.0 - black / (4.0 * w * h);
 }
 

@@ -16,17 +16,20 @@ class BoardPrint {
   double mean(double x, double y, double half_width, double half_height) const;
 
  private:
-  double black_before(double column, double row) const;  // area of black, squares squared, left of and above
   struct Place {
     std::size_t cell;
     double share;  // of the cell
   };
+  double black_before(const Place& column,
+                      const Place& row) const;  // area of black, squares squared, left of and above
   Place place_of(double squares, int count) const;
 
   Board board_;
-  std::vector<double> edges_;  // of cells within one square, 0 to 1
-  std::size_t columns_ = 0;    // of the table
-  std::vector<double> table_;  // at the cells' corners, row by row
+  std::vector<double> edges_;           // of cells within one square, 0 to 1
+  std::vector<double> inverse_widths_;  // of the cells
+  double marker_scale_ = 1.0;           // cells of the marker in a square's length
+  std::size_t columns_ = 0;             // of the table
+  std::vector<double> table_;           // at the cells' corners, row by row
 };
 
 }  // namespace rotunda::capture

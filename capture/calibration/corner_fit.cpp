@@ -14,7 +14,7 @@ namespace {
 constexpr double kSmallestRadius = 2.2;  // pixels from the corner to the window's nearest side: below, edges melt
 constexpr double kLeastContrast = 0.02;  // linear light
 constexpr int kIterations = 12;
-constexpr double kConverged = 2e-4;  // pixels
+constexpr double kConverged = 2e-3;  // pixels: a twentieth of what noise does
 
 float to_linear(double s) {
   return static_cast<float>(s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4));
@@ -24,6 +24,7 @@ float to_linear(double s) {
 struct Window {
   cv::Rect box;                   // in the picture
   std::vector<cv::Point> pixels;  // in the picture
+  double half = 0.0;              // side of what is compared, metres on the board
 };
 
 Eigen::Vector2d through(const Eigen::Matrix3d& H, const Eigen::Vector2d& at) {
@@ -51,10 +52,12 @@ class CornerFitter {
       : linear_(linear), print_(print), corner_(corner), H_(image_from_board), options_(options) {}
 
   std::optional<CornerFit> fit();
+  // After a fit: the correlation with another blur, the corner where it was found.
+  double correlation_at(double blur_px);
 
  private:
   bool open_window();
-  void render(const Eigen::Vector2d& shift);
+  void render(const Eigen::Vector2d& shift, double blur_px);
   bool step(Eigen::Vector2d& shift, CornerFit& fit);
 
   const cv::Mat& linear_;
@@ -63,6 +66,7 @@ class CornerFitter {
   const Eigen::Matrix3d H_;
   const CornerFitOptions& options_;
   Eigen::Vector2d expected_;
+  Eigen::Vector2d shift_ = Eigen::Vector2d::Zero();
   Window window_;
   cv::Mat rendered_, dx_, dy_;  // CV_32FC1 over the window's box
 };
@@ -80,6 +84,7 @@ bool CornerFitter::open_window() {
                         high = (expected_ + reach).array().ceil().cast<int>() + 2;
   if (low.minCoeff() < 0 || high.x() > linear_.cols || high.y() > linear_.rows) return false;
   window_.box = {low.x(), low.y(), high.x() - low.x(), high.y() - low.y()};
+  window_.half = half;
   const Eigen::Matrix2d board_from_pixels = J.inverse();
   for (int y = low.y() + 1; y < high.y() - 1; ++y)
     for (int x = low.x() + 1; x < high.x() - 1; ++x)
@@ -89,18 +94,22 @@ bool CornerFitter::open_window() {
 }
 
 // The print as the camera would see it with the corner moved by `shift`: four boxes a pixel, each exact, then blurred.
-void CornerFitter::render(const Eigen::Vector2d& shift) {
-  const int margin = static_cast<int>(std::ceil(3.0 * options_.blur_px)) + 1;
+// Only where the blur brings it into the window.
+void CornerFitter::render(const Eigen::Vector2d& shift, double blur_px) {
+  const int margin = static_cast<int>(std::ceil(3.0 * blur_px)) + 1;
   const cv::Rect box(window_.box.x - margin, window_.box.y - margin, window_.box.width + 2 * margin,
                      window_.box.height + 2 * margin);
-  cv::Mat sharp(box.size(), CV_32FC1);
+  cv::Mat sharp = cv::Mat::zeros(box.size(), CV_32FC1);
   const Eigen::Matrix3d board_from_image = H_.inverse();
   const Eigen::Matrix2d J = jacobian_at(H_, corner_).inverse();
   const Eigen::Vector2d half = 0.25 * J.cwiseAbs().rowwise().sum();
+  const Eigen::Array2d needed =
+      window_.half + (margin + shift.norm() + 2.0) * J.rowwise().norm().array();  // from the corner, on the board
   for (int y = 0; y < box.height; ++y)
     for (int x = 0; x < box.width; ++x) {
       const Eigen::Vector2d pixel = Eigen::Vector2d(box.x + x, box.y + y) - shift;
       const Eigen::Vector2d at = through(board_from_image, pixel);
+      if (((at - corner_).array().abs() > needed).any()) continue;
       double sum = 0.0;
       for (const double u : {-0.25, 0.25})
         for (const double v : {-0.25, 0.25}) {
@@ -109,7 +118,7 @@ void CornerFitter::render(const Eigen::Vector2d& shift) {
         }
       sharp.at<float>(y, x) = static_cast<float>(0.25 * sum);
     }
-  cv::GaussianBlur(sharp, sharp, {2 * margin - 1, 2 * margin - 1}, options_.blur_px);
+  cv::GaussianBlur(sharp, sharp, {2 * margin - 1, 2 * margin - 1}, blur_px);
   rendered_ = sharp(cv::Rect(margin, margin, window_.box.width, window_.box.height));
   cv::Sobel(rendered_, dx_, CV_32F, 1, 0, 1, 0.5);
   cv::Sobel(rendered_, dy_, CV_32F, 0, 1, 1, 0.5);
@@ -117,7 +126,7 @@ void CornerFitter::render(const Eigen::Vector2d& shift) {
 
 // One Gauss-Newton step of gain, offset, slope and shift; false where the window does not hold the print.
 bool CornerFitter::step(Eigen::Vector2d& shift, CornerFit& fit) {
-  render(shift);
+  render(shift, options_.blur_px);
   // Light first: picture = gain * print + offset + slope . (pixel - corner); then the shift beside it.
   using Vector6 = Eigen::Matrix<double, 6, 1>;
   Eigen::Matrix<double, 6, 6> normal = Eigen::Matrix<double, 6, 6>::Zero();
@@ -158,7 +167,27 @@ std::optional<CornerFit> CornerFitter::fit() {
     if ((shift - before).norm() < kConverged) break;
   }
   if (fit.correlation < options_.least_correlation) return std::nullopt;
+  shift_ = shift;
   return fit;
+}
+
+double CornerFitter::correlation_at(double blur_px) {
+  render(shift_, blur_px);
+  Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();  // of gain, offset and slope
+  Eigen::Vector4d right = Eigen::Vector4d::Zero();
+  double sum = 0.0, squares = 0.0;
+  for (const auto& pixel : window_.pixels) {
+    const Eigen::Vector4d row(rendered_.at<float>(pixel - window_.box.tl()), 1.0, pixel.x - expected_.x(),
+                              pixel.y - expected_.y());
+    const double value = linear_.at<float>(pixel);
+    normal += row * row.transpose();
+    right += value * row;
+    sum += value;
+    squares += value * value;
+  }
+  const double residual = squares - normal.ldlt().solve(right).dot(right),
+               total = squares - sum * sum / static_cast<double>(window_.pixels.size());
+  return total > 0.0 ? std::sqrt(std::max(0.0, 1.0 - std::max(0.0, residual) / total)) : 0.0;
 }
 
 }  // namespace
@@ -180,6 +209,16 @@ cv::Mat linear_light(const cv::Mat& grey) {
 std::optional<CornerFit> fit_corner(const cv::Mat& linear, const BoardPrint& print, const Eigen::Vector2d& corner,
                                     const Eigen::Matrix3d& image_from_board, const CornerFitOptions& options) {
   return CornerFitter(linear, print, corner, image_from_board, options).fit();
+}
+
+std::vector<double> correlation_at_blurs(const cv::Mat& linear, const BoardPrint& print, const Eigen::Vector2d& corner,
+                                         const Eigen::Matrix3d& image_from_board, const CornerFitOptions& options,
+                                         std::span<const double> blurs_px) {
+  std::vector<double> correlations;
+  CornerFitter fitter(linear, print, corner, image_from_board, options);
+  if (!fitter.fit()) return correlations;
+  for (const double blur : blurs_px) correlations.push_back(fitter.correlation_at(blur));
+  return correlations;
 }
 
 }  // namespace rotunda::capture

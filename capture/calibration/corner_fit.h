@@ -4,6 +4,7 @@
 // the light are free). Markers beside the corner are part of what is fitted, so they do not pull; light is compared
 // linearly, so that dark and bright edges weigh the same.
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "capture/calibration/board_print.h"
@@ -32,5 +33,11 @@ struct CornerFit {
 // Nothing if the window leaves the picture, is too small, does not look like the print, or the corner is out of reach.
 std::optional<CornerFit> fit_corner(const cv::Mat& linear, const BoardPrint& print, const Eigen::Vector2d& corner,
                                     const Eigen::Matrix3d& image_from_board, const CornerFitOptions& options);
+
+// How much print and picture look alike with each of these blurs, the corner being where it fits with that of the
+// options; empty if it does not fit.
+std::vector<double> correlation_at_blurs(const cv::Mat& linear, const BoardPrint& print, const Eigen::Vector2d& corner,
+                                         const Eigen::Matrix3d& image_from_board, const CornerFitOptions& options,
+                                         std::span<const double> blurs_px);
 
 }  // namespace rotunda::capture
