@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <optional>
 #include <set>
 
 #include "capture/calibration/board_search.h"
@@ -49,6 +51,9 @@ class Calibration {
   void keep_cameras(const std::vector<std::size_t>& kept);
   void forget_unseen_boards();
   void tell_groups(const CameraGraph& graph);
+  void list_from_one_end(const CameraGraph& graph);
+  std::optional<Knock> surest_knock() const;
+  void leave_out(const Knock& knock);
 
   const std::vector<Board> boards_;
   const CalibrateOptions& options_;
@@ -148,6 +153,28 @@ void Calibration::tell_groups(const CameraGraph& graph) {
                     fmt::join(groups, " | ")));
 }
 
+// Of a board that looks the same upside down: all cameras get one listing. Only several boards at different places
+// tell which.
+void Calibration::list_from_one_end(const CameraGraph& graph) {
+  const std::set<std::pair<std::size_t, BoardKey>> turned(graph.turned.begin(), graph.turned.end());
+  for (auto& sighting : sightings_)
+    if (turned.contains({sighting.camera, {sighting.moment, sighting.board}}))
+      for (auto& corner : sighting.corners) corner.corner = corner_count(boards_[sighting.board]) - 1 - corner.corner;
+  std::map<std::size_t, int> surest;  // of each camera, with any other
+  for (const auto& tie : graph.ties)
+    for (const std::size_t camera : {tie.a, tie.b}) surest[camera] = std::max(surest[camera], tie.agreeing);
+  std::vector<std::string> doubtful;
+  for (const std::size_t camera : graph.groups.front())
+    if (surest[camera] < 2) doubtful.push_back(started_[camera].name);
+  if (doubtful.empty() || !std::all_of(boards_.begin(), boards_.end(), looks_the_same_upside_down)) return;
+  result_.verdict = Verdict::rejected;
+  result_.problems.push_back(
+      fmt::format("the board looks the same upside down, and {} saw it at one place only together with another camera: "
+                  "on which side of it they stand cannot be told. Show it at two places or more, or take a board of "
+                  "which one side has an even and one an odd number of squares",
+                  fmt::join(doubtful, ", ")));
+}
+
 void Calibration::place() {
   auto graph = place_cameras(started_, sightings_, boards_);
   tell_groups(graph);
@@ -155,6 +182,7 @@ void Calibration::place() {
   if (group.size() < 2)
     throw InvalidInput(
         fmt::format("no two cameras saw the board at the same moment. {}", fmt::join(result_.problems, "; ")));
+  list_from_one_end(graph);
   keep_cameras(group);
   std::vector<CameraModel> cameras;
   for (const std::size_t camera : group) cameras.push_back(graph.state.cameras[camera]);
@@ -176,30 +204,45 @@ void Calibration::adjust_all(double outliers) {
   noise_px_ = report.noise_px;
 }
 
+std::optional<Knock> Calibration::surest_knock() const {
+  std::vector<std::optional<Knock>> knocks(state_.cameras.size());
+  tbb::parallel_for(std::size_t{0}, knocks.size(), [&](std::size_t camera) {
+    knocks[camera] = find_knock(state_, sightings_, boards_, camera, noise_px_);
+  });
+  std::optional<Knock> surest;
+  for (auto& knock : knocks)
+    if (knock && (!surest || knock->certainty > surest->certainty)) surest = std::move(knock);
+  return surest;
+}
+
 // A camera that was knocked meanwhile has one pose too many: the later one counts, if there are boards enough for it.
+void Calibration::leave_out(const Knock& knock) {
+  const auto later = std::count_if(sightings_.begin(), sightings_.end(), [&](const auto& sighting) {
+    return sighting.camera == knock.camera && sighting.moment >= knock.first_after;
+  });
+  const bool keep_later = later >= kFewestAfterKnock;
+  result_.problems.push_back(fmt::format("{}; its pose {} is kept", in_words(knock, state_, result_.moments),
+                                         keep_later ? "afterwards" : "before, as too few boards followed,"));
+  std::erase_if(sightings_, [&](const auto& sighting) {
+    return sighting.camera == knock.camera && (sighting.moment < knock.first_after) == keep_later;
+  });
+  for (std::size_t moment = 0; moment < result_.moments.size(); ++moment)
+    if ((moment < knock.first_after) == keep_later) left_out_.insert({knock.camera, moment});
+  if (keep_later) state_.cameras[knock.camera] = knock.after.cameras[knock.camera];
+}
+
+// One after the other, as a knocked camera disturbs its neighbours.
 void Calibration::drop_before_knocks() {
   bool dropped = false;
-  for (std::size_t camera = 0; camera < state_.cameras.size(); ++camera) {
-    const auto knock = find_knock(state_, sightings_, boards_, camera, noise_px_);
-    if (!knock) continue;
-    const auto later = std::count_if(sightings_.begin(), sightings_.end(), [&](const auto& sighting) {
-      return sighting.camera == camera && sighting.moment >= knock->first_after;
-    });
-    const bool keep_later = later >= kFewestAfterKnock;
-    result_.problems.push_back(fmt::format("{}; its pose {} is kept", in_words(*knock, state_, result_.moments),
-                                           keep_later ? "afterwards" : "before, as too few boards followed,"));
-    std::erase_if(sightings_, [&](const auto& sighting) {
-      return sighting.camera == camera && (sighting.moment < knock->first_after) == keep_later;
-    });
-    for (std::size_t moment = 0; moment < result_.moments.size(); ++moment)
-      if ((moment < knock->first_after) == keep_later) left_out_.insert({camera, moment});
-    if (keep_later) state_.cameras[camera] = knock->after.cameras[camera];
+  for (std::size_t i = 0; i < state_.cameras.size(); ++i) {
+    const auto knock = surest_knock();
+    if (!knock) break;
+    leave_out(*knock);
+    forget_unseen_boards();
+    adjust_all(kFirstOutlier);
     dropped = true;
   }
-  if (!dropped) return;
-  result_.advice.push_back("fasten the camera that moved, and calibrate anew");
-  forget_unseen_boards();
-  adjust_all(kFirstOutlier);
+  if (dropped) result_.advice.push_back("fasten the camera that moved, and calibrate anew");
 }
 
 void Calibration::forget_unseen_boards() {
@@ -250,6 +293,7 @@ CalibrationResult Calibration::judged(const BoardPictures* pictures) {
   for (auto& swap : find_swaps(state_, options_.known)) result_.problems.push_back(std::move(swap));
   take_world_frame();
   result_.corner_noise_px = noise_px_;
+  result_.kept_intrinsics = all_known_;
   tell_residuals(state_, sightings_, boards_, outlier_px(), result_);
   tell_held_out(state_, good_, boards_, adjustment(), result_);
   tell_coverage(state_, good_, boards_, result_);
@@ -263,20 +307,27 @@ CalibrationResult Calibration::judged(const BoardPictures* pictures) {
   return std::move(result_);
 }
 
+// Boards that each camera must have seen: where its lens is known already, one tells where it stands.
+std::size_t fewest_views(const CalibrateOptions& options) {
+  return options.known.empty() ? kFewestViews : 1;
+}
+
 // What no calibration can begin without.
-void refuse_too_little(std::span<const CameraModel> sizes, std::span<const Sighting> sightings, std::size_t moments) {
-  if (sizes.size() < 2) throw InvalidInput(fmt::format("there is {} camera; a rig has two at least", sizes.size()));
-  if (moments < kFewestViews)
-    throw InvalidInput(fmt::format(
-        "there are {} moments; it takes {} at least, better 40: show the board at many places", moments, kFewestViews));
-  if (sightings.empty()) throw InvalidInput("no board was found in any picture");
+void refuse_too_little(std::size_t cameras, std::size_t moments, const CalibrateOptions& options) {
+  if (cameras < 2) throw InvalidInput(fmt::format("there is {} camera; a rig has two at least", cameras));
+  if (moments < fewest_views(options))
+    throw InvalidInput(
+        fmt::format("there {} {}; it takes {} at least, better 40: show the board at many places (or give "
+                    "the intrinsics, where they are known)",
+                    moments == 1 ? "is" : "are", moments == 1 ? "one moment" : fmt::format("{} moments", moments),
+                    fewest_views(options)));
 }
 
 // Few markers of a board that is not there are found by chance.
 void refuse_another_board(const BoardSearch& search, const BoardPictures& pictures, const CalibrateOptions& options) {
   std::vector<std::size_t> views(pictures.cameras.size(), 0);
   for (const auto& sighting : search.sightings) ++views[sighting.camera];
-  if (!views.empty() && *std::max_element(views.begin(), views.end()) >= kFewestViews) return;
+  if (!views.empty() && *std::max_element(views.begin(), views.end()) >= fewest_views(options)) return;
   const auto instead = what_is_there_instead(pictures, options.boards);
   if (!search.sightings.empty() && instead.empty()) return;
   throw InvalidInput(fmt::format("the board was found in {} of {} pictures: {}", search.sightings.size(),
@@ -289,7 +340,8 @@ void refuse_another_board(const BoardSearch& search, const BoardPictures& pictur
 CalibrationResult calibrate_sightings(std::span<const CameraModel> sizes, std::vector<std::string> moments,
                                       std::vector<Sighting> sightings, const CalibrateOptions& options) {
   check_boards(options.boards);
-  refuse_too_little(sizes, sightings, moments.size());
+  refuse_too_little(sizes.size(), moments.size(), options);
+  if (sightings.empty()) throw InvalidInput("no board was found in any picture");
   Calibration calibration(std::move(moments), options);
   calibration.start(sizes, std::move(sightings));
   calibration.place();
@@ -302,9 +354,10 @@ CalibrationResult calibrate_sightings(std::span<const CameraModel> sizes, std::v
 CalibrationResult calibrate(const BoardPictures& pictures, const CalibrateOptions& options,
                             const std::stop_token& stop) {
   const BoardDetector detector(options.boards);
+  refuse_too_little(pictures.cameras.size(), pictures.moments.size(), options);
   auto search = search_boards(pictures, detector, options, stop);
   refuse_another_board(search, pictures, options);
-  refuse_too_little(search.sizes, search.sightings, pictures.moments.size());
+  if (search.sightings.empty()) throw InvalidInput("no board was found in any picture");
   Calibration calibration(pictures.moments, options);
   for (auto& trouble : search.troubles) calibration.add_problem(std::move(trouble));
   calibration.start(search.sizes, std::move(search.sightings));

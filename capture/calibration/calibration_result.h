@@ -92,8 +92,9 @@ struct CalibrationResult {
   std::vector<CameraTie> ties;
   VolumeCoverage volume;
 
-  std::string world;           // what the world frame was taken from, in words
-  double corner_noise_px = 0;  // standard deviation per axis, from the residuals' median
+  std::string world;             // what the world frame was taken from, in words
+  bool kept_intrinsics = false;  // K and distortion were given
+  double corner_noise_px = 0;    // standard deviation per axis, from the residuals' median
   double rms_px = 0, p95_px = 0;
   double held_out_rms_px = 0;  // over all cameras
   int held_out_moments = 0;

@@ -77,7 +77,15 @@ std::string seen_where(const std::string& name, const CameraQuality& quality) {
   return text;
 }
 
-void judge_counts(const std::string& name, CameraQuality& quality) {
+// Where lenses are known one board can tell where a camera stands: how well, its deviation says.
+void judge_counts(const std::string& name, bool kept_intrinsics, CameraQuality& quality) {
+  if (kept_intrinsics) {
+    if (quality.views < kFewestTrusted) {
+      quality.verdict = worse(quality.verdict, Verdict::usable);
+      quality.advice.push_back(seen_where(name, quality));
+    }
+    return;
+  }
   const bool few = quality.views < kGoodViews, narrow = quality.coverage.outermost_radius < kGoodRadius;
   if (few || narrow || names_where(quality.coverage, false).size() > 2)
     quality.advice.push_back(seen_where(name, quality));
@@ -140,7 +148,7 @@ void judge(CalibrationResult& result) {
   for (std::size_t i = 0; i < result.cameras.size(); ++i) {
     const auto& name = result.cameras[i].name;
     auto& quality = result.quality[i];
-    judge_counts(name, quality);
+    judge_counts(name, result.kept_intrinsics, quality);
     judge_residuals(name, quality);
     judge_deviation(name, quality);
     result.verdict = worse(result.verdict, quality.verdict);

@@ -15,9 +15,10 @@ namespace {
 using Pose6 = Eigen::Matrix<double, 6, 1>;  // a turn and a shift of the camera in its own frame
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-constexpr double kDisturbed = 0.5;         // pixels: a view worth a closer look
-constexpr double kLeastShift = 1.0;        // pixels; less is told by the residuals
-constexpr double kLeastShiftNoises = 6.0;  // of the corners' noise
+constexpr double kDisturbed = 2.0;   // noises, a view's median: worth a closer look
+constexpr double kLeastShift = 3.0;  // noises: less is in the residuals anyway
+// F(6, 6 n) of no knock passes 6 once in 10^4 with five views, 10^5 with ten; a split is tried between any two.
+constexpr double kCertain = 10.0;
 constexpr std::size_t kFewestStretch = 2;  // views before and after
 constexpr double kOtherCornersOff = 5.0;   // pixels from the view's median: a wrong corner, not a knock
 constexpr double kSamePlace = 0.15;        // metres
@@ -166,6 +167,27 @@ std::size_t best_split(const std::vector<PoseEvidence>& views) {
   return best;
 }
 
+// What a stretch's own pose leaves that poses of the views' own would take off further.
+double disagreement(std::span<const PoseEvidence> views) {
+  const Pose6 x = solution(sum_of(views));
+  double sum = 0.0;
+  for (const auto& view : views) {
+    PoseEvidence rest = view;
+    rest.g -= view.H * x;
+    sum += gain(rest);
+  }
+  return sum;
+}
+
+// Fisher's F of two poses against one, views being what is drawn at random: six numbers a pose.
+double certainty_of(const std::vector<PoseEvidence>& views, std::size_t split, double noise_px) {
+  const std::span all(views);
+  const double helps = gain(sum_of(all.first(split))) + gain(sum_of(all.subspan(split))) - gain(sum_of(all));
+  const double freedom = static_cast<double>(views.size() - 2);
+  const double scatter = (disagreement(all.first(split)) + disagreement(all.subspan(split))) / freedom;
+  return helps / std::max(scatter, 6.0 * noise_px * noise_px);
+}
+
 // The camera's pose by some views alone, boards held (Gauss-Newton).
 CameraModel resected(RigState state, std::span<const Sighting* const> views, std::span<const Board> boards,
                      std::size_t camera) {
@@ -304,20 +326,22 @@ std::string why_apart(const CameraGraph& graph, std::size_t group, std::span<con
 
 std::optional<Knock> find_knock(const RigState& state, std::span<const Sighting> sightings,
                                 std::span<const Board> boards, std::size_t camera, double noise_px) {
-  const double limit = std::max(kLeastShift, kLeastShiftNoises * noise_px);
-  const double disturbed = std::max(kDisturbed, kLeastShiftNoises * noise_px);
-  if (!looks_disturbed(state, views_of(state, sightings, camera), boards, disturbed)) return std::nullopt;
+  if (!looks_disturbed(state, views_of(state, sightings, camera), boards, kDisturbed * noise_px)) return std::nullopt;
   const RigState posed = posed_by_others(state, sightings, boards, camera);
   const auto views = views_of(posed, sightings, camera);
-  const std::size_t split = best_split(evidence_of(posed, views, boards));
+  const auto evidence = evidence_of(posed, views, boards);
+  const std::size_t split = best_split(evidence);
   if (split == 0) return std::nullopt;
+  const double certainty = certainty_of(evidence, split, noise_px);
+  if (!(certainty > kCertain)) return std::nullopt;
   const std::span<const Sighting* const> all(views);
   const CameraModel before = resected(posed, all.first(split), boards, camera);
   Knock knock{.camera = camera, .last_before = views[split - 1]->moment, .first_after = views[split]->moment};
+  knock.certainty = certainty;
   knock.after = state;
   knock.after.cameras[camera] = resected(posed, all.subspan(split), boards, camera);
   knock.shift_px = mean_shift(posed, before, knock.after.cameras[camera], all, boards);
-  if (!(knock.shift_px > limit)) return std::nullopt;
+  if (!(knock.shift_px > kLeastShift * noise_px)) return std::nullopt;
   return knock;
 }
 

@@ -21,9 +21,13 @@ struct Knock {
   std::size_t camera = 0;
   std::size_t last_before = 0, first_after = 0;  // moments
   double shift_px = 0.0;                         // mean over the corners it saw afterwards
+  double certainty = 0.0;                        // Fisher's F, a pose for each stretch against one for all views
   RigState after;                                // cameras as they stand afterwards; only this camera's differs
 };
-// `sightings` with outliers. Nothing if the camera stood still, to a pixel or three noises.
+// `sightings` with outliers. Whether it moved is measured by how much its views disagree without any knock: what poses
+// of their own would take off further, which holds the corners' noise as well as what lens and board model miss. Boards
+// are posed by the other cameras, so a knocked neighbour shows here too, less certainly: the most certain counts first.
+// Nothing if the camera stood still as far as can be told.
 std::optional<Knock> find_knock(const RigState& state, std::span<const Sighting> sightings,
                                 std::span<const Board> boards, std::size_t camera, double noise_px);
 // "cam04 moved between m012 and m013, by 12.0 px", or, where it then shows what another showed, that they were swapped.

@@ -1,8 +1,10 @@
 #include "capture/calibration/camera_graph.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <numeric>
 
 #include "capture/calibration/camera_start.h"
@@ -50,6 +52,20 @@ double distance(const CameraModel& camera, const Sighting& sighting, const Board
   return sum / static_cast<double>(sighting.corners.size());
 }
 
+// The same pose of a board that is listed from its other end.
+Eigen::Isometry3d turned(const Eigen::Isometry3d& camera_from_board) {
+  const Eigen::Isometry3d half_turn(Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitZ()));
+  return camera_from_board * half_turn;
+}
+
+// Of a board that looks the same upside down two listings fit; the nearer counts.
+double distance_either_way(const CameraModel& camera, const Sighting& sighting, const Board& board,
+                           const Eigen::Isometry3d& camera_from_board) {
+  const double as_listed = distance(camera, sighting, board, camera_from_board);
+  if (!looks_the_same_upside_down(board)) return as_listed;
+  return std::min(as_listed, distance(camera, sighting, board, turned(camera_from_board)));
+}
+
 struct Shared {
   const Posed *in_a, *in_b;
 };
@@ -73,8 +89,15 @@ double transferred(const Shared& shared, const Eigen::Isometry3d& b_from_a, cons
                    std::span<const Board> boards) {
   double best = kFarOff;
   for (const auto& pose : shared.in_a->camera_from_board)
-    best = std::min(best, distance(b, *shared.in_b->sighting, boards[shared.in_b->sighting->board], b_from_a * pose));
+    best = std::min(
+        best, distance_either_way(b, *shared.in_b->sighting, boards[shared.in_b->sighting->board], b_from_a * pose));
   return best;
+}
+
+Poses either_way(Poses poses, const Board& board) {
+  const std::size_t n = looks_the_same_upside_down(board) ? poses.size() : 0;
+  for (std::size_t i = 0; i < n; ++i) poses.push_back(turned(poses[i]));
+  return poses;
 }
 
 SeenTogether tie_of(std::size_t a, std::size_t b, const PosedByCamera& posed, std::span<const CameraModel> cameras,
@@ -85,7 +108,7 @@ SeenTogether tie_of(std::size_t a, std::size_t b, const PosedByCamera& posed, st
   double least = std::numeric_limits<double>::max();
   for (const auto& candidate : some)
     for (const auto& in_a : candidate.in_a->camera_from_board)
-      for (const auto& in_b : candidate.in_b->camera_from_board) {
+      for (const auto& in_b : either_way(candidate.in_b->camera_from_board, boards[candidate.in_b->sighting->board])) {
         const Eigen::Isometry3d b_from_a = in_b * in_a.inverse();
         double sum = 0.0;
         for (const auto& judge : some) sum += transferred(judge, b_from_a, cameras[b], boards);
@@ -129,6 +152,13 @@ class Forest {
   std::vector<Eigen::Isometry3d> pose_;  // camera_from_world of its group
 };
 
+Eigen::Isometry3d camera_from_world(const CameraModel& camera) {
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.linear() = camera.R;
+  pose.translation() = camera.t;
+  return pose;
+}
+
 // The pose of one board at one moment that suits all its cameras best.
 Eigen::Isometry3d place_board(const BoardKey& key, const PosedByCamera& posed, const RigState& state,
                               const std::vector<std::size_t>& group, const Board& board) {
@@ -138,24 +168,33 @@ Eigen::Isometry3d place_board(const BoardKey& key, const PosedByCamera& posed, c
     const auto seen = posed[from].find(key);
     if (seen == posed[from].end()) continue;
     for (const auto& pose : seen->second.camera_from_board) {
-      Eigen::Isometry3d camera_from_world = Eigen::Isometry3d::Identity();
-      camera_from_world.linear() = state.cameras[from].R;
-      camera_from_world.translation() = state.cameras[from].t;
-      const Eigen::Isometry3d world_from_board = camera_from_world.inverse() * pose;
+      const Eigen::Isometry3d world_from_board = camera_from_world(state.cameras[from]).inverse() * pose;
       double sum = 0.0;
       for (const std::size_t in : group)
-        if (const auto other = posed[in].find(key); other != posed[in].end()) {
-          Eigen::Isometry3d other_from_world = Eigen::Isometry3d::Identity();
-          other_from_world.linear() = state.cameras[in].R;
-          other_from_world.translation() = state.cameras[in].t;
-          sum += distance(state.cameras[in], *other->second.sighting, board, other_from_world * world_from_board);
-        }
+        if (const auto other = posed[in].find(key); other != posed[in].end())
+          sum += distance_either_way(state.cameras[in], *other->second.sighting, board,
+                                     camera_from_world(state.cameras[in]) * world_from_board);
       if (sum >= least) continue;
       least = sum;
       best = world_from_board;
     }
   }
   return best;
+}
+
+// Which cameras' listings of the board begin at the other end than its pose has it.
+void append_turned(const BoardKey& key, const PosedByCamera& posed, const Board& board, CameraGraph& graph) {
+  if (!looks_the_same_upside_down(board)) return;
+  const auto& world_from_board = graph.state.world_from_board.at(key);
+  for (const std::size_t camera : graph.groups.front()) {
+    const auto seen = posed[camera].find(key);
+    if (seen == posed[camera].end()) continue;
+    const auto& model = graph.state.cameras[camera];
+    const Eigen::Isometry3d pose = camera_from_world(model) * world_from_board;
+    const auto& sighting = *seen->second.sighting;
+    if (distance(model, sighting, board, turned(pose)) < distance(model, sighting, board, pose))
+      graph.turned.emplace_back(camera, key);
+  }
 }
 
 }  // namespace
@@ -187,6 +226,7 @@ CameraGraph place_cameras(std::span<const CameraModel> cameras, std::span<const 
       if (!graph.state.world_from_board.contains(key))
         graph.state.world_from_board[key] =
             place_board(key, posed, graph.state, graph.groups.front(), boards[key.second]);
+  for (const auto& [key, pose] : graph.state.world_from_board) append_turned(key, posed, boards[key.second], graph);
   return graph;
 }
 

@@ -16,6 +16,8 @@ struct CameraGraph {
   std::vector<SeenTogether> ties;                // pairs with at least one board in common
   std::vector<std::vector<std::size_t>> groups;  // of cameras tied together, the largest first; each ascending
   RigState state;                                // poses of the first group; the others' cameras are left as they were
+  // Boards that look the same upside down, where a camera's corners are listed from the other end than the pose has it.
+  std::vector<std::pair<std::size_t, BoardKey>> turned;
 };
 
 // `cameras` with intrinsics; their poses are not read.

@@ -94,6 +94,26 @@ TEST(Calibrate, NamesTheCameraThatWasKnocked) {
   EXPECT_LT(result.rms_px, 0.1);  // as without a knock
 }
 
+// What is the smallest knock found follows from the noise: 0.8 px are sixteen noises, and nobody is named without one.
+TEST(Calibrate, ASmallKnockIsToldOfTheRightCameraAndNoneOfNobody) {
+  const auto rig = tests::board_rig(6);
+  const auto walk = tests::board_walk(40, 6);
+  for (const double knock_px : {0.0, 0.8}) {
+    auto later = rig;
+    later[3].t.x() += knock_px * 3.7 / 700.0;  // metres to the stage, pixels of focal length
+    auto sightings = tests::sightings_of(rig, kBoard, walk, 0.05);
+    std::erase_if(sightings, [](const auto& sighting) { return sighting.camera == 3 && sighting.moment >= 20; });
+    for (const auto& sighting : tests::sightings_of(later, kBoard, walk, 0.05, 2))
+      if (sighting.camera == 3 && sighting.moment >= 20) sightings.push_back(sighting);
+    const auto result = calibrate_sightings(rig, names_of(walk.size()), sightings, options());
+    if (knock_px > 0.0) {
+      EXPECT_THAT(result.problems, ElementsAre(HasSubstr("cam03 moved between m")));
+    } else {
+      EXPECT_THAT(result.problems, IsEmpty());
+    }
+  }
+}
+
 TEST(Calibrate, NamesCamerasThatNeverSeeABoardTogether) {
   const auto rig = tests::board_rig(4);
   const auto walk = tests::board_walk(24);
@@ -133,6 +153,59 @@ TEST(Calibrate, KeepsGivenIntrinsicsAndTheWorldOfACamera) {
   EXPECT_LT(result.cameras[1].t.norm(), 1e-9);
   const double found = (result.cameras[0].centre() - result.cameras[2].centre()).norm();
   EXPECT_NEAR(found, (rig[0].centre() - rig[2].centre()).norm(), 0.005);
+}
+
+double worst_baseline(const std::vector<CameraModel>& found, const std::vector<CameraModel>& rig) {
+  double worst = 0.0;
+  for (const auto& a : found)
+    for (const auto& b : found)
+      worst = std::max(worst, std::abs((a.centre() - b.centre()).norm() -
+                                       (named(a.name, rig).centre() - named(b.name, rig).centre()).norm()));
+  return worst;
+}
+
+TEST(Calibrate, KnownLensesNeedOneBoardOnly) {
+  const auto rig = tests::board_rig(4);
+  const std::vector<Eigen::Isometry3d> on_floor = {Eigen::Isometry3d::Identity()};
+  auto known = options();
+  known.known = rig;
+  const auto result = calibrate_sightings(rig, names_of(1), tests::sightings_of(rig, kBoard, on_floor, 0.05), known);
+  ASSERT_EQ(result.cameras.size(), 4U);
+  EXPECT_LT(worst_baseline(result.cameras, rig), 0.02);  // a board of 1 m at 4 m, 0.05 px a corner
+  EXPECT_EQ(result.verdict, Verdict::usable);
+  EXPECT_THROW(calibrate_sightings(rig, names_of(1), tests::sightings_of(rig, kBoard, on_floor, 0.05), options()),
+               InvalidInput);
+}
+
+// Each camera lists its corners from the end that is to its left, as pictures show them.
+TEST(Calibrate, ABoardThatLooksTheSameUpsideDownIsTurnedUntilItFits) {
+  const Board board{.type = BoardType::chessboard, .columns = 9, .rows = 7, .square = 0.12, .marker = 0.0};
+  ASSERT_TRUE(looks_the_same_upside_down(board));
+  const auto rig = tests::board_rig(4);
+  const auto as_seen = [&](const std::vector<Eigen::Isometry3d>& walk) {
+    auto sightings = tests::sightings_of(rig, board, walk, 0.05);
+    for (auto& sighting : sightings)
+      if (sighting.corners.front().pixel.x() > sighting.corners.back().pixel.x())
+        for (auto& corner : sighting.corners) corner.corner = corner_count(board) - 1 - corner.corner;
+    return sightings;
+  };
+  auto symmetric = options();
+  symmetric.boards = {board};
+  // Lying boards: cameras on either side see them the other way about.
+  auto walk = tests::board_walk(12);
+  for (std::size_t i = 0; i < 6; ++i) {
+    walk[i].linear().setIdentity();
+    walk[i].translation() = Eigen::Vector3d(0.5 * static_cast<double>(i) - 1.25, 0.4 * static_cast<double>(i % 3), 0.1);
+  }
+  const auto result = calibrate_sightings(rig, names_of(walk.size()), as_seen(walk), symmetric);
+  ASSERT_EQ(result.cameras.size(), 4U);
+  EXPECT_LT(worst_baseline(result.cameras, rig), 0.02);
+  EXPECT_THAT(result.problems, IsEmpty());
+
+  symmetric.known = rig;
+  const auto one = calibrate_sightings(rig, names_of(1), as_seen({Eigen::Isometry3d::Identity()}), symmetric);
+  EXPECT_EQ(one.verdict, Verdict::rejected);
+  EXPECT_THAT(one.problems, Contains(HasSubstr("looks the same upside down")));
 }
 
 TEST(Calibrate, RefusesWhatIsTooLittle) {
