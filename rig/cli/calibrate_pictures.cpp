@@ -1,12 +1,15 @@
 #include "rig/cli/calibrate_pictures.h"
 
 #include <fmt/format.h>
+#include <stdlib.h>
 
 #include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "capture/calibration/board_folder.h"
+#include "capture/calibration/board_video.h"
 #include "capture/calibration/calibration_report.h"
 #include "capture/calibration_file.h"
 #include "config/errors.h"
@@ -129,6 +132,36 @@ capture::CalibrateOptions options_of(const PicturesRequest& request) {
   return options;
 }
 
+// Beside other programs' temporary files, and gone with its owner.
+class ScratchFolder {
+ public:
+  ScratchFolder() : path_((fs::temp_directory_path() / "rotunda-boards.XXXXXX").string()) {
+    if (mkdtemp(path_.data()) == nullptr) throw std::system_error(errno, std::generic_category(), path_);
+  }
+  ~ScratchFolder() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+  fs::path path() const { return path_; }
+
+ private:
+  std::string path_;
+};
+
+// Pictures stay; of videos the moments in which the board is held still become pictures first.
+fs::path pictures_in(const fs::path& images, std::optional<ScratchFolder>& scratch) {
+  const auto videos = capture::videos_in(images);
+  if (videos.empty()) return images;
+  scratch.emplace();
+  Progress bar("videos");
+  const auto stills = capture::write_board_stills(
+      videos, scratch->path(), [&](std::size_t done, std::size_t total) { bar.update(done, total); });
+  for (const auto& trouble : stills.troubles) fmt::print(stderr, "warning: {}\n", trouble);
+  return scratch->path();
+}
+
 void require_boards(const PicturesRequest& request) {
   if (request.boards.empty())
     throw InvalidInput("say with --board FILE what the board is like (rotunda board writes one)");
@@ -166,7 +199,8 @@ int calibrate_pictures(const PicturesRequest& request, bool as_json, const std::
   require_boards(request);
   refuse_to_overwrite(request);
   const auto options = options_of(request);
-  const auto folder = capture::read_board_folder(request.images);
+  std::optional<ScratchFolder> scratch;  // until the report has its pictures
+  const auto folder = capture::read_board_folder(pictures_in(request.images, scratch));
   for (const auto& skipped : folder.skipped) fmt::print(stderr, "warning: {}\n", skipped);
   const int code = calibrate_and_write(request, folder.pictures, options, as_json, stop);
   return code == kDone && !folder.skipped.empty() ? kDoneWithLoss : code;
