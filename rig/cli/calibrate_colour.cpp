@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "capture/calibration/board_colours.h"
 #include "capture/calibration/colour_match.h"
 #include "capture/calibration_file.h"
 #include "capture/take/take_reader.h"
@@ -101,15 +102,46 @@ capture::ColourMatch match_on_take(const ColourRequest& request, const fs::path&
   return capture::match_colours(names, samples_of_take(take, studio, names));
 }
 
+// Of cameras that the calibration has; pictures of others are passed over.
+capture::ColourMatch match_on_boards(const ColourRequest& request, const capture::CalibrationFile& calibration,
+                                     std::vector<std::string>& names) {
+  std::vector<capture::Board> boards;
+  for (const auto& file : request.boards) {
+    const auto some = capture::read_boards(file);
+    boards.insert(boards.end(), some.begin(), some.end());
+  }
+  capture::BoardColours colours;
+  {
+    Progress bar("boards");
+    colours = capture::colours_of_boards(request.images, boards,
+                                         [&](std::size_t done, std::size_t total) { bar.update(done, total); });
+  }
+  for (const auto& camera : calibration.cameras)
+    if (std::find(colours.cameras.begin(), colours.cameras.end(), camera.name) != colours.cameras.end())
+      names.push_back(camera.name);
+  std::vector<capture::ColourSample> samples;
+  for (auto sample : colours.samples) {
+    const auto name = std::find(names.begin(), names.end(), colours.cameras[sample.camera]);
+    if (name == names.end()) continue;
+    sample.camera = static_cast<std::size_t>(name - names.begin());
+    samples.push_back(sample);
+  }
+  return capture::match_colours(names, samples);
+}
+
 }  // namespace
 
 int calibrate_colour(const ColourRequest& request, bool as_json) {
   if (!request.force && fs::exists(request.out))
     throw InvalidInput(request.out.string() + " exists already: give another name, or --force to replace it");
+  const bool on_boards = request.take.empty();
+  if (on_boards && (request.images.empty() || request.boards.empty() || request.calibration.empty()))
+    throw InvalidInput(
+        "--colour needs a reconstructed take, or pictures of boards: --images DIR --board FILE --calibration FILE");
   const auto file = request.calibration.empty() ? capture::calibration_file(request.take) : request.calibration;
   std::vector<std::string> names;
-  const auto match = match_on_take(request, file, names);
   auto calibration = capture::read_calibration_file(file);
+  const auto match = on_boards ? match_on_boards(request, calibration, names) : match_on_take(request, file, names);
   for (std::size_t i = 0; i < names.size(); ++i) calibration.colour[names[i]] = match.cameras[i].matrix;
   capture::write_calibration(request.out, calibration);
   tell(names, match, request.out, as_json);

@@ -3,12 +3,15 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 namespace rotunda::rig {
 
 struct ColourRequest {
-  std::filesystem::path take;         // a reconstructed take whose surface is the card
-  std::filesystem::path calibration;  // to be completed; empty: the take's
+  std::filesystem::path take;                 // a reconstructed take whose surface is the card; or empty and
+  std::filesystem::path images;               // pictures of boards, whose white is the card,
+  std::vector<std::filesystem::path> boards;  // of these board files
+  std::filesystem::path calibration;          // to be completed; empty: the take's
   std::filesystem::path out;
   bool force = false;
 };

@@ -17,7 +17,7 @@ struct CalibrateRequest {
   std::filesystem::path images, out, calibration;  // that several ways share
   bool force = false, live = false;
   std::string checked, take;  // --check, --colour
-  bool check = false;
+  bool check = false, is_colour = false;
   PicturesRequest pictures;
   ConvertRequest convert;
   ColourRequest colour;
@@ -40,8 +40,10 @@ int run(const CommandLine& line, CalibrateRequest request, const std::stop_token
   request.colour.calibration = request.calibration;
   if (request.live) return calibrate_live(request.pictures, line.daemon, line.json, stop);
   if (!request.convert.in.empty()) return convert_calibration(request.convert, line.json);
-  if (!request.take.empty()) {
-    request.colour.take = find_take(line, request.take);
+  if (request.is_colour) {
+    if (!request.take.empty()) request.colour.take = find_take(line, request.take);
+    request.colour.images = request.images;
+    request.colour.boards = request.pictures.boards;
     return calibrate_colour(request.colour, line.json);
   }
   if (request.images.empty())
@@ -57,8 +59,9 @@ void add_calibrate_command(CommandLine& line) {
       "calibrate", "where the cameras stand and how they see: from pictures of boards, or other programs' files");
   auto request = std::make_shared<CalibrateRequest>();
   calibrate->add_option("-o,--output", request->out, "the calibration to write");
-  calibrate->add_option("--images", request->images,
-                        "DIR/<camera>/*.png or *.jpg with boards; files of one name are one moment");
+  calibrate->add_option(
+      "--images", request->images,
+      "DIR/<camera>/*.png or *.jpg with boards, files of one name are one moment; or DIR/<camera>.mp4");
   calibrate->add_flag("--force", request->force, "replace what is there");
   calibrate->add_option("--calibration", request->calibration,
                         "the calibration to complete with colours (else the take's), or to check");
@@ -69,7 +72,11 @@ void add_calibrate_command(CommandLine& line) {
   ways->add_flag("--live", request->live,
                  "pictures from the running rig while you walk with the board; ends by itself");
   ways->add_option(calibrate->get_option("--convert"));
-  ways->add_option("--colour", request->take, "a reconstructed take: make cameras' colours agree on its surface");
+  auto* colour =
+      ways->add_option("--colour", request->take,
+                       "make cameras' colours agree: on a reconstructed take's surface, or on the white of boards "
+                       "(--images, --board, --calibration)")
+          ->expected(0, 1);
   auto* check =
       ways->add_option("--check", request->checked,
                        "has a camera moved? A take against its empty studio, or --images against --calibration")
@@ -80,9 +87,11 @@ void add_calibrate_command(CommandLine& line) {
       "  rotunda calibrate --live --board board.yaml -o calibration.yaml\n"
       "  rotunda calibrate --check demo\n"
       "  rotunda calibrate --convert projections.txt --images shots -o calibration.yaml\n"
-      "  rotunda calibrate --colour demo -o calibration.yaml");
-  calibrate->callback([&line, request, check] {
+      "  rotunda calibrate --colour demo -o coloured.yaml\n"
+      "  rotunda calibrate --colour --images shots --board board.yaml --calibration calibration.yaml -o coloured.yaml");
+  calibrate->callback([&line, request, check, colour] {
     request->check = check->count() > 0;
+    request->is_colour = colour->count() > 0;
     line.run = [&line, request](const std::stop_token& stop) { return run(line, *request, stop); };
   });
 }
