@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "capture/picture.h"
 #include "simulator/people/board_prop.h"
 #include "simulator/people/texture_atlas.h"
 #include "simulator/studio/camera_layout.h"
+#include "simulator/studio/pixel_encoding.h"
 #include "simulator/studio/scene_renderer.h"
 #include "tests/support/board_scene.h"
 
@@ -95,6 +97,17 @@ std::vector<CameraModel> rig() {
   return simulator::camera_layout({.k1 = -0.18, .k2 = 0.06, .p1 = 0.0004, .p2 = -0.0003});
 }
 
+// As the rig's cameras send it and calibrate looks at it: a mosaic, its green filled in.
+cv::Mat green_as_sent(const simulator::ScenePicture& picture) {
+  constexpr auto kFormat = capture::PixelFormat::bayer_rg8;
+  const auto& deep = picture.deep;
+  cv::Mat green;
+  cv::extractChannel(
+      capture::to_rgb(capture::make_image(deep.cols, deep.rows, kFormat, simulator::encode_pixels(deep, kFormat))),
+      green, 1);
+  return green;
+}
+
 Scene shown(std::string name, const Board& board, const simulator::Performance& performance,
             const std::vector<double>& seconds) {
   Scene scene{.name = std::move(name), .board = board, .truth = rig()};
@@ -103,9 +116,8 @@ Scene shown(std::string name, const Board& board, const simulator::Performance& 
   for (std::size_t moment = 0; moment < seconds.size(); ++moment) {
     scene.poses.push_back(*performance.board_at(seconds[moment]));
     const auto pictures = studio.pictures(seconds[moment], moment);
-    for (std::size_t camera = 0; camera < pictures.size(); ++camera) {
-      cv::extractChannel(pictures[camera].rgb, scene.grey[camera].emplace_back(), 1);
-    }
+    for (std::size_t camera = 0; camera < pictures.size(); ++camera)
+      scene.grey[camera].push_back(green_as_sent(pictures[camera]));
   }
   return scene;
 }
