@@ -15,6 +15,7 @@
 #include "capture/calibration/camera_faults.h"
 #include "capture/calibration/camera_graph.h"
 #include "capture/calibration/camera_start.h"
+#include "capture/calibration/knock_trial.h"
 #include "capture/calibration/world_frame.h"
 #include "config/errors.h"
 
@@ -212,6 +213,7 @@ std::optional<Knock> Calibration::surest_knock() const {
   std::optional<Knock> surest;
   for (auto& knock : knocks)
     if (knock && (!surest || knock->certainty > surest->certainty)) surest = std::move(knock);
+  if (surest) surest = whose_knock(*surest, state_, sightings_, boards_, noise_px_);
   return surest;
 }
 

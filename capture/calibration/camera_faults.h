@@ -26,7 +26,7 @@ struct Knock {
 };
 // `sightings` with outliers. Whether it moved is measured by how much its views disagree without any knock: what poses
 // of their own would take off further, which holds the corners' noise as well as what lens and board model miss. Boards
-// are posed by the other cameras, so a knocked neighbour shows here too, less certainly: the most certain counts first.
+// are posed by the other cameras, so a knocked neighbour shows here too: whose_knock (knock_trial.h) tells.
 // Nothing if the camera stood still as far as can be told.
 std::optional<Knock> find_knock(const RigState& state, std::span<const Sighting> sightings,
                                 std::span<const Board> boards, std::size_t camera, double noise_px);
