@@ -112,6 +112,8 @@ std::optional<Grid> find_chessboard(const cv::Mat& grey, const cv::Size& inner) 
   if (cv::findChessboardCornersSB(half, inner, corners, cv::CALIB_CB_NORMALIZE_IMAGE))
     return at_full_size(std::move(corners));
   if (cv::findChessboardCorners(grey, inner, corners, kFlags)) return corners;
+  const bool may_be_one = cv::checkChessboard(half, inner) || cv::checkChessboard(grey, inner);
+  if (may_be_one && cv::findChessboardCornersSB(grey, inner, corners, cv::CALIB_CB_NORMALIZE_IMAGE)) return corners;
   return std::nullopt;
 }
 
