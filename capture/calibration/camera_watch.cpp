@@ -19,9 +19,10 @@ constexpr double kFoundAgain = 0.85;  // correlation
 constexpr double kClearly = 0.05;     // more than anywhere else nearby
 constexpr double kAgree = 1.0;        // pixels from what most say
 constexpr int kFewestAgreeing = 8;
-constexpr double kShareAgreeing = 0.4;  // of those found again
-constexpr double kLeastContrast = 4.0;  // levels, standard deviation in a patch: above the noise
-constexpr double kTold = 0.33;          // pixels
+constexpr double kShareAgreeing = 0.4;   // of those found again
+constexpr double kLeastContrast = 4.0;   // levels, standard deviation in a patch: above the noise
+constexpr double kTold = 0.33;           // pixels
+constexpr double kLeastVariance = 0.01;  // squared pixels: a feature is found to a tenth of one at best
 
 double parabola_peak(double before, double at, double after) {
   const double curvature = before - 2.0 * at + after;
@@ -60,16 +61,47 @@ std::optional<cv::Point2f> found_again(const cv::Mat& before, const cv::Mat& now
          sub;
 }
 
+std::vector<cv::Point2d> places_all_over(const cv::Size& size) {
+  constexpr int kSteps = 5;
+  std::vector<cv::Point2d> places;
+  for (int i = 0; i < kSteps; ++i)
+    for (int j = 0; j < kSteps; ++j)
+      places.emplace_back((size.width - 1.0) * i / (kSteps - 1), (size.height - 1.0) * j / (kSteps - 1));
+  return places;
+}
+
+cv::Point2d moved(const cv::Mat& affine, const cv::Point2d& p) {
+  const auto along = [&](int row) {
+    return affine.at<double>(row, 0) * p.x + affine.at<double>(row, 1) * p.y + affine.at<double>(row, 2);
+  };
+  return {along(0), along(1)};
+}
+
 double mean_shift(const cv::Mat& affine, const cv::Size& size) {
   double sum = 0.0;
-  constexpr int kSteps = 5;
-  for (int i = 0; i < kSteps; ++i)
-    for (int j = 0; j < kSteps; ++j) {
-      const double x = (size.width - 1.0) * i / (kSteps - 1), y = (size.height - 1.0) * j / (kSteps - 1);
-      sum += std::hypot(affine.at<double>(0, 0) * x + affine.at<double>(0, 1) * y + affine.at<double>(0, 2) - x,
-                        affine.at<double>(1, 0) * x + affine.at<double>(1, 1) * y + affine.at<double>(1, 2) - y);
-    }
-  return sum / (kSteps * kSteps);
+  const auto places = places_all_over(size);
+  for (const auto& place : places) sum += cv::norm(moved(affine, place) - place);
+  return sum / static_cast<double>(places.size());
+}
+
+// Of the mean shift, from what the features disagree by: features close together say little of the far side of the
+// picture. A similarity's variance at a distance d from the features' middle is that of one feature times
+// 1/n + d^2 / (sum of their own squared distances), on either axis.
+double deviation_of(const cv::Mat& affine, const std::vector<cv::Point2d>& from, const std::vector<cv::Point2d>& to,
+                    const cv::Size& size) {
+  const auto n = static_cast<double>(from.size());
+  cv::Point2d middle;
+  for (const auto& p : from) middle += p / n;
+  double squares = 0.0, spread = 0.0;
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    squares += std::pow(cv::norm(moved(affine, from[i]) - to[i]), 2);
+    spread += std::pow(cv::norm(from[i] - middle), 2);
+  }
+  const double variance = std::max(squares / (2.0 * n - 4.0), kLeastVariance);
+  double sum = 0.0;
+  const auto places = places_all_over(size);
+  for (const auto& place : places) sum += 1.0 / n + std::pow(cv::norm(place - middle), 2) / spread;
+  return std::sqrt(2.0 * variance * sum / static_cast<double>(places.size()));
 }
 
 Eigen::Isometry3d camera_from_world(const CameraModel& camera) {
@@ -102,17 +134,13 @@ std::optional<BackgroundShift> background_shift(const cv::Mat& before, const cv:
     return std::nullopt;
   shift.shift_px = mean_shift(affine, before.size());
   shift.turn_deg = std::atan2(affine.at<double>(1, 0), affine.at<double>(0, 0)) * 180.0 / std::numbers::pi;
-  double squares = 0.0;
+  std::vector<cv::Point2d> agreeing, places;
   for (int i = 0; i < inliers.rows; ++i) {
     if (inliers.at<std::uint8_t>(i) == 0) continue;
-    const auto& p = from[static_cast<std::size_t>(i)];
-    const auto& q = to[static_cast<std::size_t>(i)];
-    const auto along = [&](int row) {
-      return affine.at<double>(row, 0) * p.x + affine.at<double>(row, 1) * p.y + affine.at<double>(row, 2);
-    };
-    squares += std::pow(along(0) - q.x, 2) + std::pow(along(1) - q.y, 2);
+    agreeing.emplace_back(from[static_cast<std::size_t>(i)]);
+    places.emplace_back(to[static_cast<std::size_t>(i)]);
   }
-  shift.deviation_px = std::sqrt(squares / shift.features / (shift.features - 2.0));
+  shift.deviation_px = deviation_of(affine, agreeing, places, before.size());
   return shift;
 }
 

@@ -12,7 +12,7 @@ struct BackgroundShift {
   int features = 0;           // that were found again and agree
   double shift_px = 0.0;      // mean over the picture
   double turn_deg = 0.0;      // about the line of sight
-  double deviation_px = 0.0;  // of what the features agree on
+  double deviation_px = 0.0;  // standard deviation of the mean shift
 };
 
 // `before` and `now` grey, CV_8UC1, one size (else InvalidInput). People may stand in one of them. Nothing where too

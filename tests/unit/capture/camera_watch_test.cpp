@@ -48,6 +48,33 @@ TEST(CameraWatch, SeesThatTheBackgroundMovedAndByHowMuch) {
   EXPECT_TRUE(has_moved(*turned));
 }
 
+// Things in one corner of a bare wall, under more noise than usual: the far side of the picture is only guessed.
+cv::Mat corner_of_a_wall(unsigned seed) {
+  cv::Mat picture(480, 640, CV_8UC1, cv::Scalar(80));
+  cv::RNG things(5);
+  for (int i = 0; i < 40; ++i)
+    cv::rectangle(picture, cv::Rect(things.uniform(20, 180), things.uniform(20, 160), 10, 10),
+                  cv::Scalar(things.uniform(30, 220)), cv::FILLED);
+  cv::GaussianBlur(picture, picture, {}, 1.5);
+  cv::Mat noise(picture.size(), CV_16SC1), noisy;
+  cv::RNG(seed).fill(noise, cv::RNG::NORMAL, 0, 4.0);
+  picture.convertTo(noisy, CV_16SC1);
+  noisy += noise;
+  noisy.convertTo(picture, CV_8UC1);
+  return picture;
+}
+
+TEST(CameraWatch, FeaturesCloseTogetherSayLittleOfTheRest) {
+  int told = 0;
+  for (unsigned seed = 1; seed <= 12; ++seed)
+    if (const auto shift = background_shift(corner_of_a_wall(100 + seed), corner_of_a_wall(200 + seed))) {
+      ++told;
+      EXPECT_GT(shift->deviation_px, 0.1) << seed;
+      EXPECT_FALSE(has_moved(*shift)) << seed << ": " << shift->shift_px << " +- " << shift->deviation_px;
+    }
+  EXPECT_GE(told, 3);
+}
+
 TEST(CameraWatch, SaysNothingOfAnEmptyWall) {
   EXPECT_FALSE(background_shift(cv::Mat(240, 320, CV_8UC1, cv::Scalar(90)), wall(0, 0, 0, 1)));
   EXPECT_THROW(background_shift(wall(0, 0, 0, 1), cv::Mat(10, 10, CV_8UC1)), InvalidInput);
