@@ -140,7 +140,7 @@ TEST_F(Recording, TellsOfACameraThatWentAwayAndTakesItBack) {
   studio.reset();
   // First the daemon misses their pictures, then their answers; the take's end in between brings none of them back.
   wait_for_status([](const auto& now) { return camera_states(now) == "lost lost"; });
-  EXPECT_EQ(rotunda({"take", "stop"}).exit_code, 1);
+  EXPECT_THAT(rotunda({"take", "stop"}).exit_code, testing::AnyOf(1, 4));  // 4: it has ended by itself meanwhile
   EXPECT_EQ(camera_states(status()), "lost lost");
   const auto is_told = [](const auto& camera) {
     return camera["problem"].template get<std::string>().starts_with(camera["name"].template get<std::string>());
@@ -154,7 +154,8 @@ TEST_F(Recording, TellsOfACameraThatWentAwayAndTakesItBack) {
 
   studio = std::make_unique<TestStudio>(cameras_here(2));
   wait_for_status([](const auto& now) { return camera_states(now) == "streaming streaming"; });
-  EXPECT_EQ(rotunda({"take", "start", "back", "--frames", "2"}).exit_code, 0);
+  const auto back = rotunda({"take", "start", "back", "--frames", "2"});
+  ASSERT_EQ(back.exit_code, 0) << back.err;
   EXPECT_EQ(verify("back", 0)["complete"], 2);
 }
 
