@@ -72,7 +72,7 @@ void add_export_command(CommandLine& line) {
                   "glb (one file, animated), obj or ply (a file a frame), vat (vertex animation texture); "
                   "or a geometry video: master (lossless), float (every bit), stream (small), paper (24-bit AVI)")
       ->required()
-      ->check(CLI::IsMember({"glb", "obj", "ply", "vat", "master", "float", "stream", "paper"}));
+      ->check(CLI::IsMember(kFormats));
   app->add_option("-o,--output", arguments->options.output, "FILE.glb, FILE.mkv, FILE.avi; obj, ply, vat: a folder")
       ->required();
   app->add_option("--frames", arguments->frames, "A:B, half-open, counted from 0");
