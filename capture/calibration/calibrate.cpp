@@ -14,8 +14,8 @@
 #include "capture/calibration/calibration_quality.h"
 #include "capture/calibration/camera_faults.h"
 #include "capture/calibration/camera_graph.h"
+#include "capture/calibration/camera_knock.h"
 #include "capture/calibration/camera_start.h"
-#include "capture/calibration/knock_trial.h"
 #include "capture/calibration/world_frame.h"
 #include "config/errors.h"
 
@@ -53,7 +53,6 @@ class Calibration {
   void forget_unseen_boards();
   void tell_groups(const CameraGraph& graph);
   void list_from_one_end(const CameraGraph& graph);
-  std::optional<Knock> surest_knock() const;
   void leave_out(const Knock& knock);
 
   const std::vector<Board> boards_;
@@ -205,18 +204,6 @@ void Calibration::adjust_all(double outliers) {
   noise_px_ = report.noise_px;
 }
 
-std::optional<Knock> Calibration::surest_knock() const {
-  std::vector<std::optional<Knock>> knocks(state_.cameras.size());
-  tbb::parallel_for(std::size_t{0}, knocks.size(), [&](std::size_t camera) {
-    knocks[camera] = find_knock(state_, sightings_, boards_, camera, noise_px_);
-  });
-  std::optional<Knock> surest;
-  for (auto& knock : knocks)
-    if (knock && (!surest || knock->certainty > surest->certainty)) surest = std::move(knock);
-  if (surest) surest = whose_knock(*surest, state_, sightings_, boards_, noise_px_);
-  return surest;
-}
-
 // A camera that was knocked meanwhile has one pose too many: the later one counts, if there are boards enough for it.
 void Calibration::leave_out(const Knock& knock) {
   const auto later = std::count_if(sightings_.begin(), sightings_.end(), [&](const auto& sighting) {
@@ -230,14 +217,14 @@ void Calibration::leave_out(const Knock& knock) {
   });
   for (std::size_t moment = 0; moment < result_.moments.size(); ++moment)
     if ((moment < knock.first_after) == keep_later) left_out_.insert({knock.camera, moment});
-  if (keep_later) state_.cameras[knock.camera] = knock.after.cameras[knock.camera];
+  if (keep_later) state_.cameras[knock.camera] = knock.after;
 }
 
 // One after the other, as a knocked camera disturbs its neighbours.
 void Calibration::drop_before_knocks() {
   bool dropped = false;
   for (std::size_t i = 0; i < state_.cameras.size(); ++i) {
-    const auto knock = surest_knock();
+    const auto knock = find_knock(state_, sightings_, boards_, noise_px_);
     if (!knock) break;
     leave_out(*knock);
     forget_unseen_boards();

@@ -1,0 +1,324 @@
+#include "capture/calibration/camera_knock.h"
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <set>
+#include <utility>
+
+namespace rotunda::capture {
+namespace {
+
+using Pose6 = Eigen::Matrix<double, 6, 1>;  // a turn and a shift of the camera in its own frame
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
+constexpr double kDisturbed = 2.0;   // noises, a view's median: worth a closer look
+constexpr double kLeastShift = 3.0;  // noises: less is in the residuals anyway
+// F(6, 6 n) of no knock passes 6 once in 10^4 with five views, 10^5 with ten; a split is tried between any two.
+constexpr double kCertain = 10.0;
+constexpr std::size_t kFewestStretch = 2;  // views before and after
+constexpr double kOtherCornersOff = 5.0;   // pixels from the view's median: a wrong corner, not a knock
+constexpr double kOutlier = 3.0;           // noises: what is off further counts as this
+constexpr int kRounds = 2;
+constexpr double kSamePlace = 0.15;  // metres
+constexpr double kSameWay = 5.0;     // degrees
+
+CameraModel moved(CameraModel camera, const Pose6& by) {
+  const Eigen::Vector3d axis = by.head<3>();
+  if (axis.norm() > 0.0) {
+    const Eigen::Matrix3d turn = Eigen::AngleAxisd(axis.norm(), axis.normalized()).toRotationMatrix();
+    camera.R = Eigen::Matrix3d(turn * camera.R);
+    camera.t = Eigen::Vector3d(turn * camera.t);
+  }
+  camera.t += by.tail<3>();
+  return camera;
+}
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<long>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// One view of the camera with what its corners say about the camera's pose.
+struct PoseEvidence {
+  std::size_t moment = 0;
+  Matrix6 H = Matrix6::Zero();
+  Pose6 g = Pose6::Zero();
+  double squares = 0.0;
+  int corners = 0;
+};
+
+PoseEvidence evidence_of(const RigState& state, const Sighting& sighting, const Board& board) {
+  PoseEvidence evidence{.moment = sighting.moment};
+  const auto positions = corner_positions(board);
+  const auto& world_from_board = state.world_from_board.at({sighting.moment, sighting.board});
+  std::vector<double> across, down;
+  std::vector<std::pair<Eigen::Vector2d, Eigen::Vector3d>> offs;
+  for (const auto& corner : sighting.corners) {
+    const auto& at = positions[static_cast<std::size_t>(corner.corner)];
+    const auto off = residual(state, sighting, corner, at);
+    if (!off) continue;
+    offs.emplace_back(*off, world_from_board * at);
+    across.push_back(off->x()), down.push_back(off->y());
+  }
+  const Eigen::Vector2d middle(median(across), median(down));
+  constexpr double kStep = 1e-6;
+  for (const auto& [off, world] : offs) {
+    if ((off - middle).norm() > kOtherCornersOff) continue;
+    Eigen::Matrix<double, 2, 6> J;
+    for (int i = 0; i < 6; ++i) {
+      const auto up = project(moved(state.cameras[sighting.camera], kStep * Pose6::Unit(i)), world);
+      const auto low = project(moved(state.cameras[sighting.camera], -kStep * Pose6::Unit(i)), world);
+      J.col(i) = up && low ? Eigen::Vector2d((*up - *low) / (2.0 * kStep)) : Eigen::Vector2d(Eigen::Vector2d::Zero());
+    }
+    evidence.H += J.transpose() * J;
+    evidence.g += J.transpose() * off;
+    evidence.squares += off.squaredNorm();
+    ++evidence.corners;
+  }
+  return evidence;
+}
+
+PoseEvidence sum_of(std::span<const PoseEvidence> all) {
+  PoseEvidence sum;
+  for (const auto& one : all) {
+    sum.H += one.H, sum.g += one.g;
+    sum.squares += one.squares;
+    sum.corners += one.corners;
+  }
+  return sum;
+}
+
+Pose6 solution(const PoseEvidence& evidence) {
+  const Matrix6 damped = evidence.H + 1e-9 * evidence.H.trace() * Matrix6::Identity();
+  return damped.ldlt().solve(evidence.g);
+}
+
+// What a pose of its own takes off the stretch's squares.
+double gain(const PoseEvidence& evidence) {
+  return evidence.g.dot(solution(evidence));
+}
+
+// The boards of this camera that others see too, posed by the others alone.
+RigState posed_by_others(const RigState& state, std::span<const Sighting> sightings, std::span<const Board> boards,
+                         std::size_t camera) {
+  std::set<BoardKey> own;
+  for (const auto& sighting : sightings)
+    if (sighting.camera == camera) own.insert({sighting.moment, sighting.board});
+  std::vector<Sighting> others;
+  RigState posed = state;
+  posed.world_from_board.clear();
+  for (const auto& sighting : sightings) {
+    const BoardKey key{sighting.moment, sighting.board};
+    const auto pose = state.world_from_board.find(key);
+    if (sighting.camera == camera || !own.contains(key) || pose == state.world_from_board.end()) continue;
+    posed.world_from_board[key] = pose->second;
+    others.push_back(sighting);
+  }
+  if (!others.empty()) adjust(posed, others, boards, {.keep_cameras = true, .rounds = 1});
+  return posed;
+}
+
+std::vector<const Sighting*> views_of(const RigState& state, std::span<const Sighting> sightings, std::size_t camera) {
+  std::vector<const Sighting*> views;
+  for (const auto& sighting : sightings)
+    if (sighting.camera == camera && state.world_from_board.contains({sighting.moment, sighting.board}))
+      views.push_back(&sighting);
+  std::stable_sort(views.begin(), views.end(), [](const auto* a, const auto* b) { return a->moment < b->moment; });
+  return views;
+}
+
+std::vector<PoseEvidence> evidence_of(const RigState& state, std::span<const Sighting* const> views,
+                                      std::span<const Board> boards) {
+  std::vector<PoseEvidence> all;
+  for (const auto* view : views) all.push_back(evidence_of(state, *view, boards[view->board]));
+  return all;
+}
+
+bool looks_disturbed(const RigState& state, std::span<const Sighting* const> views, std::span<const Board> boards,
+                     double limit) {
+  std::size_t far_off = 0;
+  for (const auto* view : views) {
+    const auto positions = corner_positions(boards[view->board]);
+    std::vector<double> distances;
+    for (const auto& corner : view->corners)
+      if (const auto off = residual(state, *view, corner, positions[static_cast<std::size_t>(corner.corner)]))
+        distances.push_back(off->norm());
+    if (median(distances) > limit) ++far_off;
+  }
+  return far_off >= kFewestStretch;
+}
+
+// The views after which a pose of its own for what follows helps most; 0: none.
+std::size_t best_split(const std::vector<PoseEvidence>& views) {
+  std::size_t best = 0;
+  double most = 0.0;
+  for (std::size_t i = kFewestStretch; i + kFewestStretch <= views.size(); ++i) {
+    if (views[i].moment == views[i - 1].moment) continue;
+    const double helps = gain(sum_of(std::span(views).first(i))) + gain(sum_of(std::span(views).subspan(i)));
+    if (helps <= most) continue;
+    most = helps;
+    best = i;
+  }
+  return best;
+}
+
+// What a stretch's own pose leaves that poses of the views' own would take off further.
+double disagreement(std::span<const PoseEvidence> views) {
+  const Pose6 x = solution(sum_of(views));
+  double sum = 0.0;
+  for (const auto& view : views) {
+    PoseEvidence rest = view;
+    rest.g -= view.H * x;
+    sum += gain(rest);
+  }
+  return sum;
+}
+
+// Fisher's F of two poses against one, views being what is drawn at random: six numbers a pose.
+double certainty_of(const std::vector<PoseEvidence>& views, std::size_t split, double noise_px) {
+  const std::span all(views);
+  const double helps = gain(sum_of(all.first(split))) + gain(sum_of(all.subspan(split))) - gain(sum_of(all));
+  const double freedom = static_cast<double>(views.size() - 2);
+  const double scatter = (disagreement(all.first(split)) + disagreement(all.subspan(split))) / freedom;
+  return helps / std::max(scatter, 6.0 * noise_px * noise_px);
+}
+
+// The camera's pose by some views alone, boards held (Gauss-Newton).
+CameraModel resected(RigState state, std::span<const Sighting* const> views, std::span<const Board> boards,
+                     std::size_t camera) {
+  for (int i = 0; i < 10; ++i)
+    state.cameras[camera] = moved(state.cameras[camera], solution(sum_of(evidence_of(state, views, boards))));
+  return state.cameras[camera];
+}
+
+// Between which moments this camera's views stop to agree, and how surely.
+struct Suspicion {
+  std::size_t first_after = 0;  // moment
+  double certainty = 0.0;       // Fisher's F, a pose for each stretch against one for all views; 0: none
+};
+
+Suspicion suspicion_of(const RigState& state, std::span<const Sighting> sightings, std::span<const Board> boards,
+                       std::size_t camera, double noise_px) {
+  if (!looks_disturbed(state, views_of(state, sightings, camera), boards, kDisturbed * noise_px)) return {};
+  const RigState posed = posed_by_others(state, sightings, boards, camera);
+  const auto evidence = evidence_of(posed, views_of(posed, sightings, camera), boards);
+  const std::size_t split = best_split(evidence);
+  if (split == 0) return {};
+  return {evidence[split].moment, certainty_of(evidence, split, noise_px)};
+}
+
+double misfit_of(const RigState& state, std::span<const Sighting> sightings, std::span<const Board> boards,
+                 double noise_px) {
+  const double most = kOutlier * kOutlier * 2.0 * noise_px * noise_px;  // of two axes
+  double sum = 0.0;
+  for (const auto& sighting : sightings) {
+    if (!state.world_from_board.contains({sighting.moment, sighting.board})) continue;
+    const auto positions = corner_positions(boards[sighting.board]);
+    for (const auto& corner : sighting.corners) {
+      const auto off = residual(state, sighting, corner, positions[static_cast<std::size_t>(corner.corner)]);
+      sum += off ? std::min(off->squaredNorm(), most) : most;
+    }
+  }
+  return sum;
+}
+
+// The mean over its views of how far apart the corners are that two poses of a camera see.
+double mean_shift(const RigState& state, const CameraModel& before, const CameraModel& after,
+                  std::span<const Sighting* const> views, std::span<const Board> boards) {
+  double sum = 0.0;
+  int count = 0;
+  for (const auto* view : views)
+    for (const auto& corner : corner_positions(boards[view->board])) {
+      const Eigen::Vector3d world = state.world_from_board.at({view->moment, view->board}) * corner;
+      const auto a = project(before, world), b = project(after, world);
+      if (!a || !b) continue;
+      sum += (*a - *b).norm();
+      ++count;
+    }
+  return count > 0 ? sum / count : 0.0;
+}
+
+struct Trial {
+  Knock knock;
+  double misfit = std::numeric_limits<double>::infinity();  // squared pixels, outliers cut off
+};
+
+// The camera as two: as it stood before and, numbered behind all others, afterwards.
+Trial try_camera(std::size_t camera, std::size_t first_after, const RigState& state,
+                 std::span<const Sighting> sightings, std::span<const Board> boards, double noise_px) {
+  Trial trial;
+  const RigState posed = posed_by_others(state, sightings, boards, camera);
+  const auto views = views_of(posed, sightings, camera);
+  const auto split = static_cast<std::size_t>(
+      std::find_if(views.begin(), views.end(), [&](const auto* view) { return view->moment >= first_after; }) -
+      views.begin());
+  if (split < kFewestStretch || views.size() - split < kFewestStretch) return trial;
+  const std::span<const Sighting* const> all(views);
+  RigState rig = state;
+  rig.cameras[camera] = resected(posed, all.first(split), boards, camera);
+  rig.cameras.push_back(resected(posed, all.subspan(split), boards, camera));
+  std::vector<Sighting> theirs(sightings.begin(), sightings.end());
+  for (auto& sighting : theirs)
+    if (sighting.camera == camera && sighting.moment >= first_after) sighting.camera = state.cameras.size();
+  adjust(rig, theirs, boards, {.keep_intrinsics = true, .rounds = kRounds});
+  trial.misfit = misfit_of(rig, theirs, boards, noise_px);
+  trial.knock.camera = camera;
+  trial.knock.last_before = views[split - 1]->moment;
+  trial.knock.first_after = views[split]->moment;
+  trial.knock.shift_px = mean_shift(posed, rig.cameras[camera], rig.cameras.back(), all, boards);
+  trial.knock.after = std::move(rig.cameras.back());
+  return trial;
+}
+
+double angle_deg(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
+  return Eigen::AngleAxisd(a * b.transpose()).angle() * 180.0 / std::numbers::pi;
+}
+
+std::optional<std::size_t> who_stood_there(const RigState& state, const CameraModel& camera, std::size_t itself) {
+  for (std::size_t i = 0; i < state.cameras.size(); ++i)
+    if (i != itself && (state.cameras[i].centre() - camera.centre()).norm() < kSamePlace &&
+        angle_deg(state.cameras[i].R, camera.R) < kSameWay)
+      return i;
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<Knock> find_knock(const RigState& state, std::span<const Sighting> sightings,
+                                std::span<const Board> boards, double noise_px) {
+  std::vector<Suspicion> suspicions(state.cameras.size());
+  tbb::parallel_for(std::size_t{0}, suspicions.size(), [&](std::size_t camera) {
+    suspicions[camera] = suspicion_of(state, sightings, boards, camera, noise_px);
+  });
+  const auto surest = std::max_element(suspicions.begin(), suspicions.end(),
+                                       [](const auto& a, const auto& b) { return a.certainty < b.certainty; });
+  if (surest == suspicions.end() || !(surest->certainty > kCertain)) return std::nullopt;
+  std::vector<Trial> trials(state.cameras.size());
+  tbb::parallel_for(std::size_t{0}, trials.size(), [&](std::size_t camera) {
+    trials[camera] = try_camera(camera, surest->first_after, state, sightings, boards, noise_px);
+  });
+  auto& best =
+      *std::min_element(trials.begin(), trials.end(), [](const auto& a, const auto& b) { return a.misfit < b.misfit; });
+  if (!(best.knock.shift_px > kLeastShift * noise_px)) return std::nullopt;
+  return std::move(best.knock);
+}
+
+std::string in_words(const Knock& knock, const RigState& state, std::span<const std::string> moments) {
+  const auto& name = state.cameras[knock.camera].name;
+  const auto when = fmt::format("between {} and {}", moments[knock.last_before], moments[knock.first_after]);
+  if (const auto other = who_stood_there(state, knock.after, knock.camera))
+    return fmt::format("{} and {} were swapped {}: from then on one shows what the other showed", name,
+                       state.cameras[*other].name, when);
+  return fmt::format("{} moved {}, by {:.1f} px", name, when, knock.shift_px);
+}
+
+}  // namespace rotunda::capture
