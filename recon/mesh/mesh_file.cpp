@@ -64,6 +64,7 @@ class Collector : public OpenMesh::IO::ImporterT<Polygons> {
 
 // OpenMesh's reader goes on past the end of a stream; this one throws there instead.
 bool read_with_openmesh(std::ifstream& stream, Collector& collector, Options& options) {
+  omerr().disable();  // the caller tells
   stream.exceptions(std::ios::failbit | std::ios::badbit);
   try {
     return OpenMesh::IO::IOManager().read(stream, ".ply", collector, options);
@@ -107,10 +108,16 @@ Polygons to_polygons(const TriangleMesh& mesh) {
   return polygons;
 }
 
-TriangleMesh read_obj(const std::filesystem::path& file) {
+std::ifstream open_to_read(const std::filesystem::path& file) {
+  if (!std::filesystem::exists(file)) throw InvalidInput(file.string() + ": there is no such file");
   errno = 0;
-  std::ifstream stream(file);
+  std::ifstream stream(file, std::ios::binary);
   if (!stream) throw_errno(file, "cannot be opened");
+  return stream;
+}
+
+TriangleMesh read_obj(const std::filesystem::path& file) {
+  auto stream = open_to_read(file);
   Polygons vertices;
   TriangleMesh mesh;
   Collector collector(vertices, mesh, file);
@@ -131,9 +138,7 @@ TriangleMesh read_mesh(const std::filesystem::path& file) {
 }
 
 TriangleMesh read_ply(const std::filesystem::path& file) {
-  errno = 0;
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw_errno(file, "cannot be opened");
+  auto stream = open_to_read(file);
   Polygons vertices;
   vertices.request_vertex_normals();
   vertices.request_vertex_colors();
@@ -141,7 +146,7 @@ TriangleMesh read_ply(const std::filesystem::path& file) {
   Collector collector(vertices, mesh, file);
   Options options(Options::VertexNormal | Options::VertexColor);
   if (!read_with_openmesh(stream, collector, options) || !collector.is_complete())
-    throw CorruptData(file, 0, "is no PLY mesh, or ends early");
+    throw CorruptData(file, 0, "is no PLY mesh, ends early, or holds something that is no number");
   copy_vertices(vertices, options, mesh);
   return mesh;
 }

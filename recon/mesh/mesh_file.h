@@ -9,8 +9,9 @@
 
 namespace rotunda::recon {
 
-// Throws std::system_error if the file cannot be opened, CorruptData if it is not a PLY, ends early, or names a vertex
-// it does not have. Memory stays within a small multiple of the file's size, whatever its header claims.
+// Throws InvalidInput if there is no such file, std::system_error if it cannot be opened, CorruptData if it is not a PLY,
+// ends early, or names a vertex it does not have. Memory stays within a small multiple of the file's size, whatever its
+// header claims.
 TriangleMesh read_ply(const std::filesystem::path& file);
 
 // The same of a file named .obj as Wavefront OBJ (positions and faces alone), of any other as PLY.
