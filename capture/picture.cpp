@@ -105,6 +105,31 @@ cv::Mat to_rgb(const Image& image) {
   return rgb;
 }
 
+bool is_mosaic(PixelFormat format) {
+  return layout_of(format).order != BayerOrder::none;
+}
+
+cv::Mat mosaic_of(const Image& image) {
+  if (!is_mosaic(image.format))
+    throw InvalidInput(fmt::format("an image of {} has no photosites to speak of", to_string(image.format)));
+  require_whole_groups(image);
+  const PixelLayout layout = layout_of(image.format);
+  cv::Mat sites;
+  if (layout.packing == PixelPacking::bytes)  // const_cast: as in to_rgb()
+    cv::Mat(image.height, image.width, CV_8UC1, const_cast<std::uint8_t*>(image.pixels.get()))
+        .convertTo(sites, CV_16U, 257.0);
+  else
+    unpack(image, layout).convertTo(sites, CV_16U, 65535.0 / ((1 << layout.bits) - 1));
+  return sites;
+}
+
+cv::Mat demosaiced(const cv::Mat& mosaic, BayerOrder order) {
+  cv::Mat deep, rgb;
+  cv::cvtColor(mosaic, deep, demosaic_code(order));
+  deep.convertTo(rgb, CV_8U, 255.0 / 65535.0);
+  return rgb;
+}
+
 SlotPicture picture_of(const FrameSlot& slot) {
   if (!slot.frame) return {{}, std::string(to_string(slot.missing_because.value_or(HoleReason::not_recorded)))};
   try {

@@ -12,6 +12,12 @@ namespace rotunda::capture {
 // converted by ycbcr_picture.h. Throws CorruptData for a JPEG that came damaged.
 cv::Mat to_rgb(const Image& image);
 
+// The photosites of a mosaic as they are, CV_16UC1, 65535 the most that its bits can say; and such photosites
+// as CV_8UC3, demosaiced as to_rgb() does. mosaic_of() throws InvalidInput for a format that is no mosaic.
+bool is_mosaic(PixelFormat format);
+cv::Mat mosaic_of(const Image& image);
+cv::Mat demosaiced(const cv::Mat& mosaic, BayerOrder order);
+
 // What a slot of a frame set shows: a picture, or why there is none, also where a camera sent a damaged JPEG.
 struct SlotPicture {
   cv::Mat rgb;  // empty: none

@@ -3,18 +3,20 @@
 #include <algorithm>
 #include <opencv2/imgproc.hpp>
 
+#include "capture/picture.h"
 #include "config/errors.h"
 
 namespace rotunda::capture {
 namespace {
 
 constexpr int kReach = 4;             // pixels beyond the outline that get colours
-constexpr int kWindow = 9;            // pixels, odd: where the two colours about a pixel are looked at
+constexpr int kWindow = 7;            // pixels, odd: where the two colours about a pixel are looked at
 constexpr float kRim = 4.0F;          // pixels: how far in lens, demosaicing and grazing light carry the spill
 constexpr int kCloth = 21;            // pixels, odd: where the cloth inside of the rim is looked at
-constexpr float kNoise = 3.0F;        // grey levels: of a pixel against its mixture
-constexpr double kSharpening = 1.5;   // the matte is smoothed, the picture is not
+constexpr float kNoise = 6.0F;        // grey levels: of a pixel against its mixture, light's curve included
+constexpr double kSharpening = 1.75;  // the matte is smoothed, the picture is not
 constexpr float kAlphaError = 0.08F;  // of the matte
+constexpr float kSiteScale = 257.0F;  // of mosaic_of(), against grey levels
 
 // Mean of the masked pixels about each pixel, CV_32FC3, and their share in the window, CV_32FC1.
 struct LocalMean {
@@ -33,19 +35,14 @@ LocalMean local_mean(const cv::Mat& picture, const cv::Mat& mask, int window) {
   return mean;
 }
 
-// The likeliest colour of the performer in a pixel that is `alpha` of it: between what solving the mixture gives, which
-// errs the more the less of it is there, and the mean of the performer close by, which knows no texture.
-cv::Vec3f unmixed(const cv::Vec3f& pixel, float alpha, const cv::Vec3f& inside, const cv::Vec3f& outside) {
-  cv::Vec3f result;
-  const cv::Vec3f contrast = inside - outside;
-  constexpr float kTexture = 25.0F;  // grey levels: what cloth differs from its mean
-  for (int c = 0; c < 3; ++c) {
-    const float off = pixel[c] - alpha * inside[c] - (1.0F - alpha) * outside[c];
-    const float error = kNoise * kNoise + kAlphaError * kAlphaError * contrast[c] * contrast[c];
-    const float gain = alpha * kTexture * kTexture / (alpha * alpha * kTexture * kTexture + error);
-    result[c] = inside[c] + std::min(gain, 1.0F / std::max(alpha, 0.3F)) * off;
-  }
-  return result;
+// The likeliest value of the performer in a photosite that is `alpha` of it: between what solving the mixture gives,
+// which errs the more the less of it is there, and the mean of the performer close by, which knows no texture.
+float unmixed(float value, float alpha, float inside, float outside) {
+  constexpr float kTexture = 20.0F;  // grey levels: what cloth differs from its mean
+  const float contrast = inside - outside, off = value - alpha * inside - (1.0F - alpha) * outside;
+  const float error = kNoise * kNoise + kAlphaError * kAlphaError * contrast * contrast;
+  const float gain = alpha * kTexture * kTexture / (alpha * alpha * kTexture * kTexture + error);
+  return inside + std::min(gain, 1.0F / std::max(alpha, 0.3F)) * off;
 }
 
 // By how much the backdrop's channel leads the other two; 0 if it does not.
@@ -54,22 +51,57 @@ float lead_of(const cv::Vec3f& colour, int own) {
   return std::max(0.0F, colour[own] - other);
 }
 
-void take_out_mixture(cv::Mat& colours, const cv::Mat& soft, const cv::Mat& near) {
-  cv::Mat alpha;
-  soft.convertTo(alpha, CV_8U, kSharpening, 127.5 * (1.0 - kSharpening));
-  const cv::Mat all_in = alpha >= 250, all_out = alpha <= 5;
+// What each pixel of a picture is a mixture of.
+struct Mixtures {
+  cv::Mat alpha;  // CV_8UC1
+  cv::Mat mixed;  // CV_8UC1, 255 where both colours are in it, or backdrop alone, and both are known
+  LocalMean inside, outside;
+};
+
+Mixtures mixtures_of(const cv::Mat& colours, const cv::Mat& soft, const cv::Mat& near) {
+  Mixtures found;
+  soft.convertTo(found.alpha, CV_8U, kSharpening, 127.5 * (1.0 - kSharpening));
+  const cv::Mat all_in = found.alpha >= 250, all_out = found.alpha <= 5;
   cv::Mat sure_in, sure_out;
   cv::erode(all_in, sure_in, cv::Mat::ones(3, 3, CV_8UC1));
   cv::erode(all_out, sure_out, cv::Mat::ones(3, 3, CV_8UC1));
-  const auto inside = local_mean(colours, sure_in, kWindow), outside = local_mean(colours, sure_out, kWindow);
+  found.inside = local_mean(colours, sure_in, kWindow);
+  found.outside = local_mean(colours, sure_out, kWindow);
+  // Too thin to have an inside, or a gap between limbs: nothing is known of one of the two colours.
+  found.mixed = near & ~all_in & (found.inside.share >= 1e-4F) & (found.outside.share >= 1e-4F);
+  return found;
+}
+
+void take_out_mixture(cv::Mat& colours, const Mixtures& mixtures) {
   for (int y = 0; y < colours.rows; ++y)
     for (int x = 0; x < colours.cols; ++x) {
-      if (near.at<std::uint8_t>(y, x) == 0 || all_in.at<std::uint8_t>(y, x) != 0) continue;
-      // Too thin to have an inside, or a gap between limbs: nothing is known of one of the two colours.
-      if (inside.share.at<float>(y, x) < 1e-4F || outside.share.at<float>(y, x) < 1e-4F) continue;
-      const float a = static_cast<float>(alpha.at<std::uint8_t>(y, x)) / 255.0F;
+      if (mixtures.mixed.at<std::uint8_t>(y, x) == 0) continue;
+      const float alpha = static_cast<float>(mixtures.alpha.at<std::uint8_t>(y, x)) / 255.0F;
+      const auto &in = mixtures.inside.colour.at<cv::Vec3f>(y, x), &out = mixtures.outside.colour.at<cv::Vec3f>(y, x);
       auto& pixel = colours.at<cv::Vec3f>(y, x);
-      pixel = unmixed(pixel, a, inside.colour.at<cv::Vec3f>(y, x), outside.colour.at<cv::Vec3f>(y, x));
+      for (int c = 0; c < 3; ++c) pixel[c] = unmixed(pixel[c], alpha, in[c], out[c]);
+    }
+}
+
+// The colour of a mosaic's photosite.
+int channel_of(BayerOrder order, int x, int y) {
+  const bool red_right = order == BayerOrder::gr || order == BayerOrder::bg;
+  const bool red_below = order == BayerOrder::gb || order == BayerOrder::bg;
+  const bool in_red_column = (x % 2 == 1) == red_right, in_red_row = (y % 2 == 1) == red_below;
+  return in_red_column != in_red_row ? 1 : in_red_row ? 0 : 2;
+}
+
+// `sites`: CV_16UC1 as mosaic_of() has them, beginning at an even row and column of the mosaic.
+void take_out_mixture(cv::Mat& sites, BayerOrder order, const Mixtures& mixtures) {
+  for (int y = 0; y < sites.rows; ++y)
+    for (int x = 0; x < sites.cols; ++x) {
+      if (mixtures.mixed.at<std::uint8_t>(y, x) == 0) continue;
+      const int c = channel_of(order, x, y);
+      auto& site = sites.at<std::uint16_t>(y, x);
+      const float found = unmixed(
+          static_cast<float>(site) / kSiteScale, static_cast<float>(mixtures.alpha.at<std::uint8_t>(y, x)) / 255.0F,
+          mixtures.inside.colour.at<cv::Vec3f>(y, x)[c], mixtures.outside.colour.at<cv::Vec3f>(y, x)[c]);
+      site = cv::saturate_cast<std::uint16_t>(found * kSiteScale);
     }
 }
 
@@ -88,31 +120,63 @@ void take_out_light(cv::Mat& colours, const cv::Mat& depth, const cv::Mat& near,
     }
 }
 
+// What of a picture is looked at.
+struct Rim {
+  cv::Rect box;  // begins at an even row and column
+  cv::Mat alpha, near, depth;
+};
+
+Rim rim_of(const Matte& matte) {
+  Rim rim;
+  const cv::Rect box = cv::boundingRect(matte.alpha);
+  if (box.empty()) return rim;
+  constexpr int kMargin = kReach + kCloth;
+  const cv::Point first(std::max(0, box.x - kMargin) & ~1, std::max(0, box.y - kMargin) & ~1);
+  rim.box = cv::Rect(first, box.br() + cv::Point(kMargin, kMargin)) & cv::Rect({}, matte.alpha.size());
+  rim.alpha = matte.alpha(rim.box);
+  cv::dilate(rim.alpha >= 128, rim.near, cv::Mat::ones(2 * kReach + 1, 2 * kReach + 1, CV_8UC1));
+  cv::Mat framed, depth;  // the picture's border is no outline
+  cv::copyMakeBorder(rim.alpha >= 128, framed, 1, 1, 1, 1, cv::BORDER_REPLICATE);
+  cv::distanceTransform(framed, depth, cv::DIST_L2, 3, CV_32F);
+  rim.depth = depth(cv::Rect(1, 1, rim.alpha.cols, rim.alpha.rows)).clone();
+  return rim;
+}
+
+// `colours`: CV_32FC3 of the rim's box, without the mixture.
+void finish(cv::Mat& result, const Rim& rim, cv::Mat& colours, Backdrop backdrop) {
+  take_out_light(colours, rim.depth, rim.near, backdrop == Backdrop::blue ? 2 : 1);
+  cv::Mat bytes;
+  colours.convertTo(bytes, CV_8U);
+  bytes.copyTo(result(rim.box), rim.near);
+}
+
 }  // namespace
 
 cv::Mat despilled(const cv::Mat& rgb, const Matte& matte, Backdrop backdrop) {
   if (rgb.type() != CV_8UC3 || matte.alpha.size() != rgb.size() || matte.alpha.type() != CV_8UC1)
     throw InvalidInput("taking out spill wants a picture of 8-bit red, green, blue and a matte of its size");
-  cv::Mat result = rgb.clone();
-  const cv::Rect box = cv::boundingRect(matte.alpha);
-  if (box.empty()) return result;
-  constexpr int kMargin = kReach + kCloth;
-  const cv::Rect around =
-      cv::Rect(box.x - kMargin, box.y - kMargin, box.width + 2 * kMargin, box.height + 2 * kMargin) &
-      cv::Rect({}, rgb.size());
-  const cv::Mat alpha = matte.alpha(around);
-  cv::Mat colours, depth, near, framed;
-  rgb(around).convertTo(colours, CV_32F);
-  cv::dilate(alpha >= 128, near, cv::Mat::ones(2 * kReach + 1, 2 * kReach + 1, CV_8UC1));
-  // The picture's border is no outline.
-  cv::copyMakeBorder(alpha >= 128, framed, 1, 1, 1, 1, cv::BORDER_REPLICATE);
-  cv::distanceTransform(framed, depth, cv::DIST_L2, 3, CV_32F);
-  depth = depth(cv::Rect(1, 1, alpha.cols, alpha.rows)).clone();
-  take_out_mixture(colours, alpha, near);
-  take_out_light(colours, depth, near, backdrop == Backdrop::blue ? 2 : 1);
-  cv::Mat bytes;
-  colours.convertTo(bytes, CV_8U);
-  bytes.copyTo(result(around), near);
+  cv::Mat result = rgb.clone(), colours;
+  const Rim rim = rim_of(matte);
+  if (rim.box.empty()) return result;
+  rgb(rim.box).convertTo(colours, CV_32F);
+  take_out_mixture(colours, mixtures_of(colours, rim.alpha, rim.near));
+  finish(result, rim, colours, backdrop);
+  return result;
+}
+
+cv::Mat despilled(const Image& image, const Matte& matte, Backdrop backdrop) {
+  cv::Mat result = to_rgb(image), colours;
+  if (!is_mosaic(image.format)) return despilled(result, matte, backdrop);
+  if (matte.alpha.size() != result.size() || matte.alpha.type() != CV_8UC1)
+    throw InvalidInput("taking out spill wants a matte of the image's size");
+  const Rim rim = rim_of(matte);
+  if (rim.box.empty()) return result;
+  const auto order = layout_of(image.format).order;
+  cv::Mat sites = mosaic_of(image)(rim.box).clone();
+  result(rim.box).convertTo(colours, CV_32F);
+  take_out_mixture(sites, order, mixtures_of(colours, rim.alpha, rim.near));
+  demosaiced(sites, order).convertTo(colours, CV_32F);
+  finish(result, rim, colours, backdrop);
   return result;
 }
 

@@ -150,7 +150,7 @@ struct RimErrors {
 
 void add_rim_errors(const KeyView& view, const cv::Mat& rgb, const Matte& matte, RimErrors& errors) {
   if (view.own.empty()) return;
-  const cv::Mat clean = capture::despilled(rgb, matte, capture::Backdrop::blue);
+  const cv::Mat clean = capture::despilled(view.image, matte, capture::Backdrop::blue);
   errors.plain_own.add(rim_colour_error(rgb, view.own, view.truth));
   errors.plain_unspilt.add(rim_colour_error(rgb, view.unspilt, view.truth));
   errors.own.add(rim_colour_error(clean, view.own, view.truth));

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "capture/picture.h"
 #include "config/errors.h"
 
 namespace rotunda::capture {
@@ -32,6 +33,7 @@ Scene disc(const cv::Vec3f& colour, float glow) {
       scene.picture.at<cv::Vec3b>(y, x) = cv::Vec3b(cv::Vec3f(alpha * lit + (1.0F - alpha) * kPaint));
       scene.matte.alpha.at<std::uint8_t>(y, x) = cv::saturate_cast<std::uint8_t>(255.0F * alpha);
     }
+  cv::GaussianBlur(scene.matte.alpha, scene.matte.alpha, {}, 0.8);  // as the key's are
   return scene;
 }
 
@@ -52,6 +54,41 @@ TEST(Despill, TakesTheBackdropOutOfTheRim) {
   const auto scene = disc(kSkin, 0.0F);
   EXPECT_GT(rim_error(scene.picture, scene), 8.0);
   EXPECT_LT(rim_error(despilled(scene.picture, scene.matte, Backdrop::blue), scene), 3.0);
+}
+
+// As a camera of this format sends the scene.
+Image mosaic_image(const cv::Mat& rgb, PixelFormat format) {
+  std::vector<std::uint8_t> sites;
+  const auto order = layout_of(format).order;
+  for (int y = 0; y < rgb.rows; ++y)
+    for (int x = 0; x < rgb.cols; ++x) {
+      const bool red_right = order == BayerOrder::gr || order == BayerOrder::bg;
+      const bool red_below = order == BayerOrder::gb || order == BayerOrder::bg;
+      const bool red_column = (x % 2 == 1) == red_right, red_row = (y % 2 == 1) == red_below;
+      sites.push_back(rgb.at<cv::Vec3b>(y, x)[red_column != red_row ? 1 : red_row ? 0 : 2]);
+    }
+  return make_image(rgb.cols, rgb.rows, format, std::move(sites));
+}
+
+// Demosaicing takes the paint two pixels further in; taken out of the photosites first it does not.
+TEST(Despill, OfAMosaicIsDoneBeforeDemosaicingInEveryOrder) {
+  const auto scene = disc(kSkin, 0.0F);
+  for (const auto format :
+       {PixelFormat::bayer_rg8, PixelFormat::bayer_gr8, PixelFormat::bayer_gb8, PixelFormat::bayer_bg8}) {
+    const auto image = mosaic_image(scene.picture, format);
+    const double after = rim_error(despilled(to_rgb(image), scene.matte, Backdrop::blue), scene);
+    const double before = rim_error(despilled(image, scene.matte, Backdrop::blue), scene);
+    EXPECT_LT(before, 0.9 * after) << to_string(format);
+    EXPECT_LT(before, 4.0) << to_string(format);
+  }
+}
+
+TEST(Despill, OfAPictureIsTheSameAsOfItsImage) {
+  const auto scene = disc(kSkin, 0.0F);
+  const auto image = make_image(kSide, kSide, PixelFormat::rgb8, {scene.picture.datastart, scene.picture.dataend});
+  EXPECT_EQ(cv::norm(despilled(image, scene.matte, Backdrop::blue),
+                     despilled(scene.picture, scene.matte, Backdrop::blue), cv::NORM_INF),
+            0.0);
 }
 
 TEST(Despill, TakesBlueLightOffSkin) {
