@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "capture/matte/chroma_key.h"
+#include "capture/matte/despill.h"
 #include "capture/picture.h"
 #include "recon/colour/surface_colour.h"
 #include "recon/hull/matte_support.h"
@@ -30,16 +31,6 @@ void keep_supported(FrameViews& views, const std::vector<bool>& given, const Stu
       supported_mattes(views.cameras, views.mattes, {.bounds = studio.volume, .unit = studio.unit, .keep = given});
   views.mattes = std::move(supported.mattes);
   views.silhouettes = std::move(supported.views);
-}
-
-std::vector<ColourView> colour_views(const FrameViews& views) {
-  std::vector<ColourView> result;
-  for (std::size_t i = 0; i < views.cameras.size(); ++i)
-    result.push_back({.camera = views.cameras[i],
-                      .rgb = views.pictures[i],
-                      .matte = views.mattes[i],
-                      .colour = views.colour.empty() ? Eigen::Matrix3d(Eigen::Matrix3d::Identity()) : views.colour[i]});
-  return result;
 }
 
 // Colours spread along edges from seen vertices to unseen ones, ring by ring.
@@ -69,6 +60,19 @@ std::uint8_t mix(std::uint8_t a, std::uint8_t b, double share) {
 
 }  // namespace
 
+std::vector<ColourView> colour_views(const FrameViews& views) {
+  std::vector<ColourView> result;
+  for (std::size_t i = 0; i < views.cameras.size(); ++i)
+    result.push_back({.camera = views.cameras[i],
+                      .rgb = views.pictures[i],
+                      .matte = views.mattes[i],
+                      .colour = views.colour.empty() ? Eigen::Matrix3d(Eigen::Matrix3d::Identity()) : views.colour[i],
+                      .clean = i < views.images.size() && capture::is_mosaic(views.images[i].format)
+                                   ? capture::despilled(views.images[i], views.mattes[i], views.backdrop)
+                                   : cv::Mat()});
+  return result;
+}
+
 FrameViews key_frame(const capture::FrameSet& frame_set, const StudioViews& studio,
                      std::span<const capture::Matte> given_mattes, StageClock& clock) {
   FrameViews views;
@@ -80,6 +84,7 @@ FrameViews key_frame(const capture::FrameSet& frame_set, const StudioViews& stud
     views.cameras.push_back(studio.cameras[i]);
     if (!studio.colour.empty()) views.colour.push_back(studio.colour[i]);
     views.pictures.push_back(std::move(picture.rgb));
+    views.images.push_back(frame_set.slots[i].frame->image);
     const bool given = i < given_mattes.size() && !given_mattes[i].alpha.empty();
     is_given.push_back(given);
     views.mattes.push_back(given ? given_mattes[i] : clock.run("key", [&] {

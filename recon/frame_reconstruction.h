@@ -17,6 +17,8 @@
 
 namespace rotunda::recon {
 
+struct ColourView;
+
 // What the cameras of a take show beside the performer; a slot per camera of the take, in its order.
 struct StudioViews {
   std::vector<capture::CameraModel> cameras;
@@ -34,7 +36,8 @@ struct StudioViews {
 // The cameras that have a picture of this frame, side by side.
 struct FrameViews {
   std::vector<capture::CameraModel> cameras;
-  std::vector<cv::Mat> pictures;  // RGB
+  std::vector<cv::Mat> pictures;       // RGB
+  std::vector<capture::Image> images;  // the same as their cameras sent them; empty: nobody knows
   std::vector<capture::Matte> mattes;
   std::vector<Eigen::Matrix3d> colour;  // as StudioViews has it; empty: all are the same
   capture::Backdrop backdrop = capture::Backdrop::blue;
@@ -45,6 +48,9 @@ struct FrameViews {
 // known volume keeps only what the other views support (hull/matte_support.h).
 FrameViews key_frame(const capture::FrameSet& frame_set, const StudioViews& studio,
                      std::span<const capture::Matte> given_mattes, StageClock& clock);
+
+// What surface_colour() wants of them: their own light, without spill (recon/colour/surface_colour.h).
+std::vector<ColourView> colour_views(const FrameViews& views);
 
 struct MappedFrame {
   std::optional<MappedSurface> surface;

@@ -1,5 +1,6 @@
 #include "recon/colour/rim.h"
 
+#include <algorithm>
 #include <opencv2/imgproc.hpp>
 
 namespace rotunda::recon {
@@ -9,6 +10,18 @@ constexpr float kMixed = 2.0F;  // pixels from the outline that hold backdrop to
 constexpr int kReach = 4;       // pixels: how far colours are carried outwards
 
 }  // namespace
+
+cv::Mat depth_inside(const capture::Matte& matte) {
+  cv::Mat framed, depth;
+  cv::copyMakeBorder(matte.alpha >= 128, framed, 1, 1, 1, 1, cv::BORDER_REPLICATE);
+  cv::distanceTransform(framed, depth, cv::DIST_L2, 3, CV_32F);
+  return depth(cv::Rect(1, 1, matte.alpha.cols, matte.alpha.rows)).clone();
+}
+
+double outline_weight(double depth_inside, double feather) {
+  const double s = std::clamp((depth_inside - 1.0) / std::max(1e-6, feather), 0.0, 1.0);
+  return s * s * (3.0 - 2.0 * s);
+}
 
 cv::Mat rim_from_inside(const cv::Mat& rgb, const cv::Mat& depth_in_matte) {
   cv::Mat deep = depth_in_matte > kMixed, mean(rgb.size(), CV_8UC3, cv::Scalar::all(0)), share;

@@ -33,18 +33,15 @@ struct PreparedView {
 void check(const ColourView& view) {
   const cv::Size size(view.camera.width, view.camera.height);
   if (view.rgb.size() != size || view.rgb.type() != CV_8UC3 || view.matte.alpha.size() != size ||
-      view.matte.alpha.type() != CV_8UC1)
+      view.matte.alpha.type() != CV_8UC1 || (!view.clean.empty() && view.clean.size() != size))
     throw InvalidInput(fmt::format(
         "{}: picture ({} x {}) and matte ({} x {}) must be of the calibration's size, {} x {}", view.camera.name,
         view.rgb.cols, view.rgb.rows, view.matte.alpha.cols, view.matte.alpha.rows, size.width, size.height));
 }
 
-// The picture's border is no outline: a body cut by the frame keeps its weight there.
-cv::Mat depth_in(const capture::Matte& matte) {
-  cv::Mat framed, depth;
-  cv::copyMakeBorder(matte.alpha >= 128, framed, 1, 1, 1, 1, cv::BORDER_REPLICATE);
-  cv::distanceTransform(framed, depth, cv::DIST_L2, 3, CV_32F);
-  return depth(cv::Rect(1, 1, matte.alpha.cols, matte.alpha.rows)).clone();
+cv::Mat without_spill(const ColourView& view, const SurfaceColourOptions& options) {
+  if (!view.clean.empty()) return view.clean;
+  return options.remove_spill ? capture::despilled(view.rgb, view.matte, options.backdrop) : view.rgb;
 }
 
 PreparedView prepare(const ColourView& view, const TriangleMesh& occluder, const SurfaceColourOptions& options) {
@@ -52,10 +49,8 @@ PreparedView prepare(const ColourView& view, const TriangleMesh& occluder, const
   prepared.camera = &view.camera;
   prepared.centre = view.camera.centre();
   prepared.focal_px = std::sqrt(std::abs(view.camera.K(0, 0) * view.camera.K(1, 1)));
-  prepared.depth_in_matte = depth_in(view.matte);
-  prepared.rgb =
-      rim_from_inside(options.remove_spill ? capture::despilled(view.rgb, view.matte, options.backdrop) : view.rgb,
-                      prepared.depth_in_matte);
+  prepared.depth_in_matte = depth_inside(view.matte);
+  prepared.rgb = rim_from_inside(without_spill(view, options), prepared.depth_in_matte);
   if (view.colour != Eigen::Matrix3d::Identity()) prepared.rgb = capture::with_matrix(prepared.rgb, view.colour);
   prepared.surface = render_depth(occluder, view.camera, options.depth_downscale);
   return prepared;
@@ -92,12 +87,6 @@ double share_seen(const DepthMap& map, const Eigen::Vector2d& place, double dept
       seen += nearest <= depth + tolerance;
     }
   return judged == 0 ? 1.0 : static_cast<double>(seen) / judged;
-}
-
-// 0 up to one pixel inside the outline, smoothly 1 from `feather` further in.
-double outline_weight(double depth_in_matte, double feather) {
-  const double s = std::clamp((depth_in_matte - 1.0) / std::max(1e-6, feather), 0.0, 1.0);
-  return s * s * (3.0 - 2.0 * s);
 }
 
 struct Sample {

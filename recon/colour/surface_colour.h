@@ -23,6 +23,7 @@ struct ColourView {
   capture::Matte matte;  // of the camera's size
   // Linear light of the rig from that of this camera; taken after the spill, which is in the camera's own colours.
   Eigen::Matrix3d colour = Eigen::Matrix3d::Identity();
+  cv::Mat clean = {};  // `rgb` without spill, where somebody has taken it out already
 };
 
 struct SurfaceColourOptions {
