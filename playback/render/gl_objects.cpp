@@ -109,7 +109,9 @@ RenderTarget::RenderTarget(int width, int height)
   glFramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, depth_.get(), 0);
   if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
     throw DeviceError("display",
-                      fmt::format("cannot draw into {} x {} pixels; ask for a smaller --size", width, height));
+                      glGetString(GL_VERSION) == nullptr
+                          ? "no graphics context is current on this thread"
+                          : fmt::format("cannot draw into {} x {} pixels; ask for a smaller --size", width, height));
 }
 
 void RenderTarget::bind() const {

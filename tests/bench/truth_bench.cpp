@@ -229,7 +229,8 @@ class TruthBench {
   std::filesystem::path views_;  // folder for pictures of ours beside the truth; empty: none
   capture::TakeReader take_;
   recon::TakeStudio studio_;
-  simulator::SceneRenderer scene_;  // its GL context draws the geometry images too
+  simulator::SceneRenderer scene_;
+  playback::HeadlessDisplay display_;
   std::optional<recon::GeometryVideoReader> video_;
   recon::StageClock clock_;
 };
