@@ -87,6 +87,7 @@ TakeReconstruction::TakeReconstruction(const TakeReconstructionOptions& options,
   surface_options_.unit = studio_.unit;
   surface_options_.cell_size = options_.cell_size;
   surface_options_.triangles = options_.triangles;
+  if (options_.quality == Quality::live) surface_options_ = live_surface(surface_options_);
   choose_frames();
   store_.emplace(take_.folder() / "recon" / "frames", settings_json());
 }
@@ -110,7 +111,7 @@ std::string TakeReconstruction::settings_json() const {
     numbers.insert(numbers.end(), camera.distortion.data(), camera.distortion.data() + 5);
     cameras.push_back(numbers);
   }
-  nlohmann::json settings{{"version", 4},
+  nlohmann::json settings{{"version", 5},
                           {"quality", options_.quality == Quality::live ? "live" : "full"},
                           {"cell_size", options_.cell_size},
                           {"triangles", options_.triangles},

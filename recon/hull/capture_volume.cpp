@@ -133,7 +133,7 @@ Eigen::AlignedBox3d capture_volume(std::span<const SilhouetteView> views) {
 
 double default_cell_size(const Eigen::AlignedBox3d& bounds, const std::string& unit) {
   const double diagonal = bounds.diagonal().norm();
-  return unit == "m" && diagonal >= 0.3 && diagonal <= 30.0 ? 0.010 : diagonal / 200.0;
+  return unit == "m" && diagonal >= 0.3 && diagonal <= 30.0 ? kPersonCell : diagonal / 200.0;
 }
 
 }  // namespace rotunda::recon

@@ -13,7 +13,9 @@ namespace rotunda::recon {
 // silhouettes are empty, if nothing is left.
 Eigen::AlignedBox3d capture_volume(std::span<const SilhouetteView> views);
 
-// 10 mm where `unit` is "m" and the box could be a person's (0.3 to 30 m across), else a 200th of its diagonal.
+inline constexpr double kPersonCell = 0.010;  // metres
+
+// kPersonCell where `unit` is "m" and the box could be a person's (0.3 to 30 m across), else a 200th of its diagonal.
 double default_cell_size(const Eigen::AlignedBox3d& bounds, const std::string& unit);
 
 }  // namespace rotunda::recon

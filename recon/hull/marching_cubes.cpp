@@ -156,7 +156,7 @@ bool owns_cell(const Padded& padded, int x, int y, int z) {
 
 class Extraction {
  public:
-  explicit Extraction(const SignedGrid& grid) : grid_(grid), table_(shared_table()) {
+  Extraction(const SignedGrid& grid, double margin) : grid_(grid), margin_(margin), table_(shared_table()) {
     vertices_.reserve(grid.voxel_count() / 8);
   }
 
@@ -204,15 +204,14 @@ class Extraction {
     return entry->second;
   }
 
-  // Kept off the samples themselves, where several crossings would meet in one point.
   void add_vertex(const Eigen::Vector3i& low, int axis, float from, float to) {
-    constexpr double kMargin = 0.01;  // cells
     const double crossing = static_cast<double>(from) / (static_cast<double>(from) - static_cast<double>(to));
-    const Eigen::Vector3d along = Eigen::Vector3d::Unit(axis) * std::clamp(crossing, kMargin, 1.0 - kMargin);
+    const Eigen::Vector3d along = Eigen::Vector3d::Unit(axis) * std::clamp(crossing, margin_, 1.0 - margin_);
     mesh_.positions.push_back((grid_.origin() + grid_.cell_size() * (low.cast<double>() + along)).cast<float>());
   }
 
   const SignedGrid& grid_;
+  double margin_;  // cells
   const Table& table_;
   Padded padded_{};
   std::unordered_map<std::uint64_t, std::uint32_t> vertices_;
@@ -221,8 +220,8 @@ class Extraction {
 
 }  // namespace
 
-TriangleMesh marching_cubes(const SignedGrid& grid) {
-  Extraction extraction(grid);
+TriangleMesh marching_cubes(const SignedGrid& grid, double margin) {
+  Extraction extraction(grid, margin);
   for (std::size_t block = 0; block < grid.block_count(); ++block) extraction.add_block(block);
   return extraction.take();
 }

@@ -10,6 +10,8 @@
 namespace rotunda::recon {
 
 // World frame and units; positions and triangles only. Every edge has two triangles for any field.
-TriangleMesh marching_cubes(const SignedGrid& grid);
+// Vertices keep `margin` cells off the samples, where several crossings would meet in one point: no edge is shorter
+// than sqrt(2) of it.
+TriangleMesh marching_cubes(const SignedGrid& grid, double margin = 0.01);
 
 }  // namespace rotunda::recon

@@ -95,6 +95,11 @@ std::optional<float> SilhouetteView::distance(const Eigen::Vector3d& point) cons
   return static_cast<float>(s.value / pixels_per_metre);
 }
 
+double SilhouetteView::most_px_per_ideal() const {
+  const double focal = std::max(std::abs(camera_.K(0, 0)), std::abs(camera_.K(1, 1))) + std::abs(camera_.K(0, 1));
+  return focal * max_stretch_;
+}
+
 SilhouetteView::BallSight SilhouetteView::ball(const Eigen::Vector3d& centre, double radius) const {
   const Eigen::Vector3d p = camera_.R * centre + camera_.t;
   if (p.z() + radius <= 0.0) return {false, false};
@@ -106,8 +111,7 @@ SilhouetteView::BallSight SilhouetteView::ball(const Eigen::Vector3d& centre, do
   const Eigen::Vector2d pixel =
       camera_.K.topLeftCorner<2, 2>() * (distorted_ ? capture::distort(camera_, ideal) : ideal) +
       camera_.K.topRightCorner<2, 1>();
-  const double focal = std::max(std::abs(camera_.K(0, 0)), std::abs(camera_.K(1, 1))) + std::abs(camera_.K(0, 1));
-  const double spread_px = spread * focal * max_stretch_;
+  const double spread_px = spread * most_px_per_ideal();
   if (pixel.x() + spread_px < -0.5 || pixel.y() + spread_px < -0.5 || pixel.x() - spread_px > camera_.width - 0.5 ||
       pixel.y() - spread_px > camera_.height - 0.5)
     return {false, false};

@@ -25,6 +25,13 @@ class SilhouetteView {
   // the silhouette's normal); nothing where the camera does not see: behind it or outside of its picture.
   std::optional<float> distance(const Eigen::Vector3d& point) const;
 
+  // For walks through the picture: the ideal image plane is (x/z, y/z) in the camera's frame.
+  bool is_distorted() const { return distorted_; }
+  bool may_see(const Eigen::Vector2d& ideal) const {
+    return ideal.squaredNorm() <= max_ideal_radius_ * max_ideal_radius_;
+  }
+  double most_px_per_ideal() const;  // no way in the ideal plane gets longer in the picture than by this
+
   // What the view says of a whole ball of the world; conservative: when in doubt it may be seen and may be inside.
   struct BallSight {
     bool may_be_seen = true;

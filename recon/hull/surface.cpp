@@ -9,12 +9,18 @@
 #include "config/errors.h"
 #include "recon/hull/capture_volume.h"
 #include "recon/hull/marching_cubes.h"
+#include "recon/hull/rim_fit.h"
+#include "recon/hull/rims.h"
 #include "recon/hull/visual_hull.h"
 #include "recon/mesh/simplify.h"
 #include "recon/mesh/smoothing.h"
 
 namespace rotunda::recon {
 namespace {
+
+constexpr double kSliverMargin = 0.15;   // cells: the shortest edges are 0.2 cells long
+constexpr double kLiveCoarseness = 1.6;  // cells of 16 mm leave about 20 000 triangles of a person
+constexpr int kLiveRimStride = 3;
 
 double cpu_seconds() {
   return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
@@ -72,7 +78,8 @@ std::string settle_volume(std::span<const SilhouetteView> views, const SurfaceOp
   } catch (const InvalidInput& nothing) {
     return nothing.what();
   }
-  report.cell_size = options.cell_size > 0.0 ? options.cell_size : default_cell_size(report.bounds, options.unit);
+  report.cell_size = options.coarseness *
+                     (options.cell_size > 0.0 ? options.cell_size : default_cell_size(report.bounds, options.unit));
   const Eigen::Vector3d sides = report.bounds.sizes();
   if (report.cell_size >= sides.minCoeff())
     return fmt::format(
@@ -82,14 +89,37 @@ std::string settle_volume(std::span<const SilhouetteView> views, const SurfaceOp
   return {};
 }
 
+Eigen::AlignedBox3d box_of(const TriangleMesh& mesh) {
+  Eigen::AlignedBox3d box;
+  for (const auto& position : mesh.positions) box.extend(position.cast<double>());
+  return box;
+}
+
+// From the hull's surface to the body's.
+void draw_in(std::span<const SilhouetteView> views, const SurfaceOptions& options, SurfaceResult& result) {
+  const double metre = default_cell_size(result.report.bounds, options.unit) / kPersonCell;
+  const auto rims = find_rims(views, rim_options(box_of(result.mesh), metre, options.rim_stride));
+  result.report.rims = rims.size();
+  compute_normals(result.mesh);
+  fit_to_rims(result.mesh, rims, rim_fit_options(result.report.cell_size, metre));
+}
+
 void finish(TriangleMesh& mesh, const SurfaceOptions& options, double cell_size) {
-  smooth(mesh, {.rounds = options.smoothing_rounds});
-  collapse_slivers(mesh, 0.2 * cell_size);
+  if (!options.fit_rims) smooth(mesh, {.rounds = options.smoothing_rounds});
+  if (options.collapse_slivers) collapse_slivers(mesh, 0.2 * cell_size);
   if (options.triangles > 0) simplify(mesh, static_cast<std::size_t>(options.triangles));
   compute_normals(mesh);
 }
 
 }  // namespace
+
+SurfaceOptions live_surface(SurfaceOptions options) {
+  options.coarseness *= kLiveCoarseness;
+  options.rim_stride = kLiveRimStride;
+  options.collapse_slivers = false;
+  options.triangles = 0;
+  return options;
+}
 
 SurfaceResult reconstruct_surface(std::span<const SilhouetteView> all, const SurfaceOptions& options) {
   const double start = cpu_seconds();
@@ -105,10 +135,11 @@ SurfaceResult reconstruct_surface(std::span<const SilhouetteView> all, const Sur
   report.cut = cut_to_genus_zero(grid);
   if (report.cut.solid_voxels == 0)
     return failed(std::move(result), "empty hull: no point of the volume lies inside all silhouettes");
-  result.mesh = marching_cubes(grid);
+  result.mesh = options.fit_rims ? marching_cubes(grid, kSliverMargin) : marching_cubes(grid);
   if (const auto failed_key = watching(empty, result.mesh); !failed_key.empty())
     return failed(std::move(result), "empty silhouette in " + names_of(failed_key));
   report.extracted_triangles = result.mesh.triangles.size();
+  if (options.fit_rims) draw_in(views, options, result);
   finish(result.mesh, options, report.cell_size);
   report.triangles = result.mesh.triangles.size();
   report.cpu_s = cpu_seconds() - start;

@@ -1,7 +1,7 @@
 #pragma once
-// Silhouettes of one FrameSet to one closed genus-0 surface: signed hull, cut to genus 0, Marching Cubes, smoothed,
-// simplified, with normals. World frame and units (metres). ALGORITHMS step 3.
-// Pure: no files, no log; the same result on any number of threads.
+// Silhouettes of one FrameSet to one closed genus-0 surface: signed hull, cut to genus 0, Marching Cubes, drawn in
+// between the rims to where the body is (rim_fit.h), simplified, with normals. World frame and units (metres).
+// ALGORITHMS step 3. Pure: no files, no log; the same result on any number of threads.
 #include <Eigen/Geometry>
 #include <optional>
 #include <span>
@@ -18,18 +18,26 @@ namespace rotunda::recon {
 struct SurfaceOptions {
   std::optional<Eigen::AlignedBox3d> bounds;  // the rig's volume; searched for if not given
   double cell_size = 0.010;                   // world units; 0: by the volume's size (default_cell_size)
+  double coarseness = 1.0;                    // of cells, times their size
   std::string unit = "m";                     // of the calibration
   int triangles = 20000;                      // at most; 0: all
   int min_views = 2;
   int tolerate_misses = 0;
-  int smoothing_rounds = 10;  // 0: none
+  bool fit_rims = true;  // else the surface is the hull's
+  int rim_stride = 1;    // every so manieth outline point makes a rim
+  bool collapse_slivers = true;
+  int smoothing_rounds = 10;  // of the hull's surface; 0: none
 };
+
+// The same at live quality, for a few milliseconds: coarser cells, fewer rims, triangles as they come.
+SurfaceOptions live_surface(SurfaceOptions options);
 
 struct SurfaceReport {
   Eigen::AlignedBox3d bounds;  // searched
   double cell_size = 0.0;      // used
   std::size_t blocks = 0;      // of the sparse grid
   GenusCutReport cut;
+  std::size_t rims = 0;  // that the surface was fitted to
   std::size_t extracted_triangles = 0;
   std::size_t triangles = 0;
   double cpu_s = 0.0;  // of the calling thread's process while it ran

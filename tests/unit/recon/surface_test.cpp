@@ -49,6 +49,48 @@ TEST(Surface, OfAPersonIsOneClosedSphereNearTheTruth) {
   EXPECT_LT(sum / static_cast<double>(result.mesh.positions.size()), 0.025);  // cells of 30 mm, pixels of 18 mm
 }
 
+double shortest_edge(const TriangleMesh& mesh) {
+  float shortest = 1e9F;
+  for (const auto& t : mesh.triangles)
+    for (std::size_t i = 0; i < 3; ++i)
+      shortest = std::min(shortest, (mesh.positions[t[i]] - mesh.positions[t[(i + 1) % 3]]).norm());
+  return static_cast<double>(shortest);
+}
+
+double mean_distance(const TriangleMesh& mesh, const tests::CapsuleBody& body) {
+  double sum = 0.0;
+  for (const auto& p : mesh.positions) sum += std::abs(tests::signed_distance(body, p.cast<double>()));
+  return sum / static_cast<double>(mesh.positions.size());
+}
+
+TEST(Surface, DrawnInBetweenTheRimsIsNearerToTheBodyThanTheHull) {
+  const auto cameras = small_rig();
+  for (const bool hands_on_hips : {false, true}) {
+    const auto body = tests::person(hands_on_hips);
+    const auto mattes = hands_on_hips ? tests::mattes_of(body, cameras) : person_mattes();
+    auto options = stage();
+    const auto drawn_in = reconstruct_surface(cameras, mattes, options);
+    options.fit_rims = false;
+    const auto hull = reconstruct_surface(cameras, mattes, options);
+    ASSERT_EQ(drawn_in.failure + hull.failure, "");
+    EXPECT_GT(drawn_in.report.rims, 100U);
+    EXPECT_LT(mean_distance(drawn_in.mesh, body), 0.9 * mean_distance(hull.mesh, body));
+    EXPECT_TRUE(topology_of(drawn_in.mesh).is_sphere());
+  }
+}
+
+TEST(Surface, AtLiveQualityHasCoarserCellsAndNoSlivers) {
+  const auto cameras = small_rig();
+  auto options = stage();
+  options.cell_size = 0.015;
+  const auto live = reconstruct_surface(cameras, person_mattes(), live_surface(options));
+  ASSERT_EQ(live.failure, "");
+  EXPECT_TRUE(topology_of(live.mesh).is_sphere());
+  EXPECT_GT(live.report.cell_size, 1.3 * options.cell_size);
+  EXPECT_EQ(live.report.triangles, live.report.extracted_triangles);
+  EXPECT_GT(shortest_edge(live.mesh), 0.1 * live.report.cell_size);  // 0.2 of them before it is drawn in
+}
+
 TEST(Surface, WithHandsOnHipsIsCutToASphere) {
   const auto cameras = small_rig();
   const auto result = reconstruct_surface(cameras, tests::mattes_of(tests::person(true), cameras), stage());
