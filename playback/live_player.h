@@ -1,0 +1,30 @@
+#pragma once
+// Shows live surfaces in a window as they come, seen by an eye that the operator turns about the performer. Keys:
+// arrows and the dragged mouse go round; + - and the wheel zoom; space holds the surface; Home looks from the front
+// again; g shows the bare shape in grey; q or Esc ends.
+#include <functional>
+#include <optional>
+#include <stop_token>
+
+#include "playback/live_stage.h"
+
+namespace rotunda::playback {
+
+struct LivePlayOptions {
+  int width = 1280, height = 720;  // pixels
+  bool fullscreen = false;
+  std::stop_token stop;
+};
+
+struct LivePlayReport {
+  long pictures = 0;  // drawn in the window
+  long surfaces = 0;  // shown
+  double seconds = 0.0;
+};
+
+// `newest`: the newest view that was not handed yet, or nothing; never waits. Returns when the window is closed, the
+// operator quits, or it is asked to stop. Call it on the program's first thread. Throws DeviceError without a display,
+// and what `newest` throws.
+LivePlayReport play_live(const std::function<std::optional<LiveView>()>& newest, const LivePlayOptions& options);
+
+}  // namespace rotunda::playback
