@@ -22,10 +22,12 @@ constexpr std::chrono::seconds kPictureTime{60};  // going live, a picture of ev
 // (gRPC's minimal reconnect time) may take a busy machine seconds.
 std::shared_ptr<grpc::Channel> connect(const std::filesystem::path& socket) {
   constexpr int kFirst_ms = 200, kMost_ms = 1000, kAttempt_ms = 10000;
+  constexpr int kMostBytes = 64 << 20;  // a live surface of the finest cells, with pictures
   grpc::ChannelArguments arguments;
   arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, kFirst_ms);
   arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, kAttempt_ms);
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, kMost_ms);
+  arguments.SetMaxReceiveMessageSize(kMostBytes);
   return grpc::CreateCustomChannel("unix:" + socket.string(), grpc::InsecureChannelCredentials(), arguments);
 }
 
@@ -167,6 +169,20 @@ std::vector<IdentifiedCamera> RigClient::identify(const IdentifyRequest& request
   v1::IdentifyAnswer answer;
   connection_->check(connection_->stub->Identify(&call.context, to_message(request), &answer));
   return from_message(answer);
+}
+
+void RigClient::watch_live(bool pictures, const std::function<bool(LivePacket&&)>& on_packet, std::stop_token stop) {
+  Call call(*connection_);
+  const std::stop_callback on_stop(stop, [&] { call.context.TryCancel(); });
+  v1::WatchLiveRequest request;
+  request.set_pictures(pictures);
+  const auto stream = connection_->stub->WatchLive(&call.context, request);
+  v1::LivePacket message;
+  bool left = false;
+  while (!left && stream->Read(&message)) left = !on_packet(from_message(message));
+  if (left) call.context.TryCancel();
+  const auto status = stream->Finish();
+  if (!left && !stop.stop_requested()) connection_->check(status);
 }
 
 }  // namespace rotunda::rig

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "rig/finding.h"
+#include "rig/live_packet.h"
 
 namespace rotunda::rig {
 
@@ -46,6 +47,16 @@ struct CameraStatus {
   std::string address;    // on the network; empty: it has none, or never answered
 };
 
+// Surfaces that are made while cameras run.
+struct LiveSurfacesStatus {
+  std::string state = "off";  // off | waiting | running
+  double rate_hz = 0.0;       // in the last seconds
+  double delay_ms = 0.0;      // from trigger to surface, median of these
+  std::uint64_t made = 0, shed = 0, failed = 0;
+  std::uint32_t triangles = 0, viewers = 0;
+  std::string problem;  // why there are none, or worse ones than could be
+};
+
 struct RigStatus {
   std::string rig, state, trigger;
   double rate_hz = 0.0;
@@ -58,6 +69,7 @@ struct RigStatus {
   double spread_median_us = 0.0, spread_p99_us = 0.0;  // of the exposure starts of a set; 0: not measured
   std::vector<std::string> warnings;
   std::vector<Finding> preflight;
+  LiveSurfacesStatus surfaces;
 };
 
 // One camera of a contact sheet, as `Identify` found it.
@@ -126,6 +138,9 @@ class RigClient {
   // Has the cameras triggered and their pictures watched without a take, or no longer.
   RigStatus set_live(bool on);
   std::vector<IdentifiedCamera> identify(const IdentifyRequest& request);
+  // Calls `on_packet` with each live surface, the newest after a slow call, until it returns false or `stop` is asked.
+  // With pictures of up to four cameras, if asked.
+  void watch_live(bool pictures, const std::function<bool(LivePacket&&)>& on_packet, std::stop_token stop);
   // Ends calls that wait for an answer, from another thread, and any made later: they throw DeviceError. What they
   // asked for happens all the same.
   void hang_up();

@@ -63,6 +63,30 @@ void fill(const CameraStatus& camera, v1::CameraStatus& m) {
   m.set_address(camera.address);
 }
 
+LiveSurfacesStatus from_message(const v1::LiveSurfacesStatus& m) {
+  return {.state = m.state(),
+          .rate_hz = m.rate_hz(),
+          .delay_ms = m.delay_ms(),
+          .made = m.made(),
+          .shed = m.shed(),
+          .failed = m.failed(),
+          .triangles = m.triangles(),
+          .viewers = m.viewers(),
+          .problem = m.problem()};
+}
+
+void fill(const LiveSurfacesStatus& surfaces, v1::LiveSurfacesStatus& m) {
+  m.set_state(surfaces.state);
+  m.set_rate_hz(surfaces.rate_hz);
+  m.set_delay_ms(surfaces.delay_ms);
+  m.set_made(surfaces.made);
+  m.set_shed(surfaces.shed);
+  m.set_failed(surfaces.failed);
+  m.set_triangles(surfaces.triangles);
+  m.set_viewers(surfaces.viewers);
+  m.set_problem(surfaces.problem);
+}
+
 }  // namespace
 
 TakeProgress from_message(const v1::TakeProgress& m) {
@@ -116,6 +140,7 @@ RigStatus from_message(const v1::Status& m) {
   status.warnings.assign(m.warnings().begin(), m.warnings().end());
   for (const auto& finding : m.preflight())
     status.preflight.push_back({finding.what(), verdict_from(finding.verdict()), finding.measured(), finding.cure()});
+  status.surfaces = from_message(m.surfaces());
   return status;
 }
 
@@ -143,6 +168,7 @@ v1::Status to_message(const RigStatus& status) {
     added->set_measured(finding.measured);
     added->set_cure(finding.cure);
   }
+  fill(status.surfaces, *m.mutable_surfaces());
   m.set_protocol(1);
   return m;
 }
@@ -206,6 +232,25 @@ v1::IdentifyAnswer to_message(const std::vector<IdentifiedCamera>& cameras) {
     added->set_problem(camera.problem);
     added->set_pictured(camera.pictured);
     added->set_blinked(camera.blinked);
+  }
+  return m;
+}
+
+LivePacket from_message(const v1::LivePacket& m) {
+  LivePacket packet;
+  packet.surface.assign(m.surface().begin(), m.surface().end());
+  for (const auto& picture : m.pictures())
+    packet.pictures.push_back({picture.camera(), {picture.jpeg().begin(), picture.jpeg().end()}});
+  return packet;
+}
+
+v1::LivePacket to_message(const LivePacket& packet) {
+  v1::LivePacket m;
+  m.mutable_surface()->assign(packet.surface.begin(), packet.surface.end());
+  for (const auto& picture : packet.pictures) {
+    auto* added = m.add_pictures();
+    added->set_camera(picture.camera);
+    added->mutable_jpeg()->assign(picture.jpeg.begin(), picture.jpeg.end());
   }
   return m;
 }

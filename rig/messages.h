@@ -17,6 +17,8 @@ v1::AnnotateTakeRequest to_message(const TakeAnnotation& annotation);
 v1::StartTakeRequest to_message(const TakeRequest& request);
 IdentifyRequest from_message(const v1::IdentifyRequest& message);
 v1::IdentifyRequest to_message(const IdentifyRequest& request);
+LivePacket from_message(const v1::LivePacket& message);
+v1::LivePacket to_message(const LivePacket& packet);
 std::vector<IdentifiedCamera> from_message(const v1::IdentifyAnswer& message);
 v1::IdentifyAnswer to_message(const std::vector<IdentifiedCamera>& cameras);
 

@@ -18,14 +18,14 @@ using namespace std::chrono_literals;
 
 struct Options {
   fs::path rig, socket, takes;
-  bool check = false;
+  bool check = false, surfaces = true;
 };
 
 int serve(const rotunda::config::RigConfig& rig, const Options& options, std::stop_token stop) {
   const auto socket =
       options.socket.empty() && rig.api_socket ? *rig.api_socket : rotunda::rig::daemon_socket(options.socket);
   const rotunda::rig::SocketLock lock(socket);
-  rotunda::rig::RigDaemon daemon(rig);
+  rotunda::rig::RigDaemon daemon(rig, options.surfaces);
   const rotunda::rig::RigServer server(daemon, lock);
   if (!daemon.wait_until_tried(stop)) return rotunda::kDone;
   const auto status = daemon.status();
@@ -73,6 +73,8 @@ int main(int argc, char** argv) {
   app.add_flag("--check", options.check, "only check the rig file, and this machine for it");
   app.add_option("--takes", options.takes, "record here instead of the rig file's storage.takes");
   app.add_option("--socket", options.socket, "serve the control API here (else ROTUNDA_SOCKET, the runtime folder)");
+  app.add_flag("--surfaces,!--no-surfaces", options.surfaces,
+               "make surfaces of what the cameras see while they run (it does unless told not to)");
   app.footer("Example:\n  rotundad --rig config/simulated-studio.yaml");
   try {
     app.parse(argc, argv);

@@ -18,10 +18,14 @@
 #include "playback/render/geometry_image_renderer.h"
 #include "playback/render/orbit_film.h"
 #include "playback/viewpoint.h"
+#include "recon/live_take.h"
 #include "recon/stage_clock.h"
+#include "recon/take_studio.h"
 #include "recon/video/geometry_video.h"
 #include "rig/cli/clip_choice.h"
 #include "rig/cli/command_line.h"
+#include "rig/cli/live_view.h"
+#include "rig/client.h"
 
 namespace rotunda::rig {
 namespace {
@@ -170,6 +174,14 @@ int render(const CommandLine& line, RenderArguments arguments, std::stop_token s
                          : render_view(line, arguments, video, std::move(stop));
 }
 
+// A take that is not reconstructed yet is shown as the daemon left it: at live quality.
+std::optional<fs::path> only_live_surfaces(const CommandLine& line, const std::string& clip) {
+  if (fs::is_regular_file(clip)) return std::nullopt;
+  const auto take = find_take(line, clip);
+  const auto live = recon::live_take_file(take);
+  return fs::exists(live) && !fs::exists(recon::geometry_video_of(take)) ? std::optional(live) : std::nullopt;
+}
+
 int play(const CommandLine& line, const std::string& clip, playback::PlayOptions options, std::stop_token stop) {
   recon::GeometryVideoReader video(find_video(line, clip));
   options.stop = std::move(stop);
@@ -239,14 +251,40 @@ void add_render(CommandLine& line) {
 void add_play(CommandLine& line) {
   auto clip = std::make_shared<std::string>();
   auto options = std::make_shared<playback::PlayOptions>();
-  auto* app = line.app.add_subcommand("play", "plays a take's geometry video in a window");
-  app->add_option("clip", *clip, "a take, by name or path, or a geometry video's file")->required();
+  auto live = std::make_shared<LiveViewRequest>();
+  auto* app = line.app.add_subcommand("play", "plays a take's geometry video, or the rig live, in a window");
+  auto* what = app->add_option_group("what");
+  what->require_option(1);
+  what->add_option("clip", *clip, "a take, by name or path, or a geometry video's file");
+  auto is_live = std::make_shared<bool>(false);
+  auto* live_flag = what->add_flag("--live", *is_live, "the surfaces that the daemon makes while cameras run");
   app->add_flag("--fullscreen", options->fullscreen, "fill the screen");
+  auto* picture =
+      app->add_option("--picture", live->picture,
+                      "of live surfaces: write the newest, or the take's middle one, as a PNG; needs no display");
+  app->add_option("--surfaces", live->surfaces, "so many come before the picture is written")
+      ->needs(picture)
+      ->needs(live_flag)
+      ->check(CLI::PositiveNumber);
   app->footer(
+      "A take that is not reconstructed yet is shown at live quality, as the daemon made it after the take.\n"
       "Keys: space pauses, arrows and mouse go round, + - zoom, . , step, g grey, q ends.\n"
-      "Example:\n  rotunda play demo");
-  app->callback([&line, clip, options] {
-    line.run = [&line, clip, options](std::stop_token stop) { return play(line, *clip, *options, std::move(stop)); };
+      "Examples:\n  rotunda play demo\n  rotunda play --live");
+  app->callback([&line, clip, options, live, is_live] {
+    line.run = [&line, clip, options, live, is_live](std::stop_token stop) {
+      live->fullscreen = options->fullscreen;
+      live->json = line.json;
+      if (!*is_live) {
+        if (const auto surfaces = only_live_surfaces(line, *clip))
+          return show_live_take(*surfaces, *live, std::move(stop));
+        if (find_video(line, *clip); !live->picture.empty())
+          throw InvalidInput(*clip + " is reconstructed; for a picture of it: rotunda render " + *clip +
+                             " -o view.png");
+        return play(line, *clip, *options, std::move(stop));
+      }
+      live->socket = daemon_socket(line.daemon);
+      return show_live(*live, std::move(stop));
+    };
   });
 }
 

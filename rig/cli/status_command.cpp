@@ -25,6 +25,12 @@ json to_json(const std::vector<Finding>& findings) {
   return list;
 }
 
+json to_json(const LiveSurfacesStatus& surfaces) {
+  return {{"state", surfaces.state},         {"rate_hz", surfaces.rate_hz}, {"delay_ms", surfaces.delay_ms},
+          {"made", surfaces.made},           {"shed", surfaces.shed},       {"failed", surfaces.failed},
+          {"triangles", surfaces.triangles}, {"viewers", surfaces.viewers}, {"problem", surfaces.problem}};
+}
+
 json to_json(const RigStatus& status) {
   json cameras = json::array();
   for (const auto& camera : status.cameras)
@@ -77,6 +83,7 @@ json to_json(const RigStatus& status) {
           {"queued_frame_sets", status.queued_frame_sets},
           {"warnings", status.warnings},
           {"preflight", to_json(status.preflight)},
+          {"surfaces", to_json(status.surfaces)},
           {"cannot_record", why_not_record(status.preflight)},
           {"cameras", cameras}};
 }
@@ -92,12 +99,22 @@ std::string causes(const std::map<std::string, std::uint64_t>& missing) {
   return text;
 }
 
+void print_surfaces(const LiveSurfacesStatus& surfaces) {
+  if (surfaces.state != "running") return;
+  fmt::print(
+      "surfaces: {:.1f} a second, {:.0f} ms after their triggers; {} made, {} frame sets shed, {} without one, {} "
+      "watch\n",
+      surfaces.rate_hz, surfaces.delay_ms, surfaces.made, surfaces.shed, surfaces.failed, surfaces.viewers);
+  if (!surfaces.problem.empty()) fmt::print("          {}\n", surfaces.problem);
+}
+
 void print_status(const RigStatus& status) {
   fmt::print("{}: {}, trigger {} at {} Hz, takes in {}, {:.1f} min of recording left\n", status.rig, status.state,
              status.trigger, status.rate_hz, status.takes_folder.string(), status.seconds_left / 60.0);
   if (!status.take.name.empty())
     fmt::print("take {}: {} frame sets, {} complete{}\n", status.take.name, status.take.frame_sets,
                status.take.complete, status.take.closed ? "" : ", recording");
+  print_surfaces(status.surfaces);
   for (const auto& reason : why_not_record(status.preflight)) fmt::print("cannot record: {}\n", reason);
   for (const auto& warning : status.warnings) fmt::print("warning: {}\n", warning);
   for (const auto& finding : status.preflight)

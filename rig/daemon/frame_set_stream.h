@@ -24,6 +24,9 @@ struct FrameSetStreamOptions {
   std::chrono::nanoseconds deadline{};     // a set goes without its missing frames this long after its trigger
 };
 
+// Is shown every set of a session, with the cameras of its slots; must only pass it on.
+using Onlooker = std::function<void(const capture::FrameSet&, const std::vector<capture::CameraId>&)>;
+
 class FrameSetStream : public FrameReceiver {
  public:
   // Every trigger's set once, in order; from whichever thread closes it, one at a time. It must only pass sets on.

@@ -20,9 +20,9 @@ FrameSetStreamOptions stream_options(const config::RigConfig& rig) {
 
 }  // namespace
 
-LiveSession::LiveSession(const config::RigConfig& rig, CameraFleet& fleet, FrameSetStream::Sink sink)
+LiveSession::LiveSession(const config::RigConfig& rig, CameraFleet& fleet, Onlooker onlooker)
     : stream_(stream_options(rig), fleet) {
-  stream_.start(std::move(sink));
+  stream_.start([this, look = std::move(onlooker)](capture::FrameSet&& set) { look(set, stream_.cameras()); });
   thread_ = std::jthread([this](const std::stop_token& stop) {
     pthread_setname_np(pthread_self(), "live");
     while (!stop.stop_requested() && stream_.advance()) {

@@ -8,8 +8,8 @@ namespace rotunda::rig {
 
 class LiveSession {
  public:
-  // `sink` gets every frame set, as FrameSetStream::Sink. Throws what FrameSetStream throws.
-  LiveSession(const config::RigConfig& rig, CameraFleet& fleet, FrameSetStream::Sink sink);
+  // `onlooker` is shown every set. Throws what FrameSetStream throws.
+  LiveSession(const config::RigConfig& rig, CameraFleet& fleet, Onlooker onlooker);
   ~LiveSession();  // no trigger comes any more
 
   const FrameSetStream& stream() const { return stream_; }

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 #include <pthread.h>
 #include <spdlog/spdlog.h>
+#include <tbb/info.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -53,11 +54,25 @@ std::uint64_t free_bytes(std::filesystem::path folder) {
   return error ? 0 : space.available;
 }
 
+// A frame set a core at once, as far as there is one for each.
+constexpr int kMostWorkers = 4;
+
+std::unique_ptr<LiveSurfaces> make_surfaces(const config::RigConfig& rig, bool wanted) {
+  if (!wanted) return nullptr;
+  const auto make_work = [rig](const auto& cameras, const auto& first) {
+    return live_work(rig, plate_folder(rig.storage.takes), cameras, first);
+  };
+  return std::make_unique<LiveSurfaces>(
+      make_work, static_cast<std::size_t>(std::clamp(tbb::info::default_concurrency(), 1, kMostWorkers)));
+}
+
 }  // namespace
 
-RigDaemon::RigDaemon(const config::RigConfig& rig)
+RigDaemon::RigDaemon(const config::RigConfig& rig, bool with_surfaces)
     : rig_(rig),
       fleet_(rig),
+      surfaces_(make_surfaces(rig, with_surfaces)),
+      review_(with_surfaces ? std::make_unique<TakeReview>([this] { return recording(); }) : nullptr),
       live_keeper_([this](std::stop_token stop) { keep_live(std::move(stop)); }),
       preflight_(std::in_place, rig_, [this] { return session_status(); }) {}
 
@@ -107,6 +122,7 @@ RigStatus RigDaemon::session_status() const {
     for (const auto& [name, frames] : take_->too_slow_for())
       for (auto& camera : status.cameras)
         if (camera.name == name) camera.missing.emplace(to_string(capture::HoleReason::disk_too_slow), frames);
+  if (surfaces_) status.surfaces = surfaces_->status();
   if (live_ || take_) add_session(status, live_ ? live_->stream() : take_->stream());
   for (auto& problem : capture::ptp_domain_problems(fleet_.clocks())) status.warnings.push_back(std::move(problem));
   if (!live_problem_.empty()) status.warnings.push_back(live_problem_);
@@ -190,7 +206,9 @@ std::shared_ptr<TakeSession> RigDaemon::start_take(const TakeRequest& request) {
   require_free_locked();
   live_.reset();
   take_.reset();
-  take_ = std::make_shared<TakeSession>(rig_, request, fleet_, watch_);
+  renew_surfaces();
+  take_ = std::make_shared<TakeSession>(rig_, request, fleet_,
+                                        [this](const auto& set, const auto& cameras) { look_at(set, cameras); });
   session_begun_ = std::chrono::steady_clock::now();
   return take_;
 }
@@ -271,12 +289,23 @@ void RigDaemon::set_live(bool on) {
   live_changed_.notify_one();
 }
 
+void RigDaemon::look_at(const capture::FrameSet& set, const std::vector<capture::CameraId>& cameras) {
+  watch_.offer(set);
+  if (surfaces_) surfaces_->offer(set, cameras);
+}
+
+void RigDaemon::renew_surfaces() {
+  if (surfaces_) surfaces_->renew();
+}
+
 void RigDaemon::go_live_or_not() {
   live_problem_.clear();
   if (!live_wanted_) return live_.reset();
   if (live_) return;
   try {
-    live_ = std::make_unique<LiveSession>(rig_, fleet_, [this](capture::FrameSet&& set) { watch_.offer(set); });
+    renew_surfaces();
+    live_ = std::make_unique<LiveSession>(rig_, fleet_,
+                                          [this](const auto& set, const auto& cameras) { look_at(set, cameras); });
     session_begun_ = std::chrono::steady_clock::now();
   } catch (const std::exception& error) {
     live_problem_ = fmt::format("not live: {}", error.what());
@@ -293,6 +322,12 @@ void RigDaemon::follow_clock() {
                std::chrono::duration<double>(ahead).count());
 }
 
+void RigDaemon::review_closed_take() {
+  if (!review_ || !rig_.calibration || !take_ || take_ == reviewed_.lock() || recording_locked()) return;
+  reviewed_ = take_;
+  if (take_->progress().frame_sets > 0) review_->add(take_->progress().folder);
+}
+
 // Live again after a take, or when cameras have come back.
 void RigDaemon::keep_live(std::stop_token stop) {
   pthread_setname_np(pthread_self(), "live keeper");
@@ -300,6 +335,7 @@ void RigDaemon::keep_live(std::stop_token stop) {
   while (!stop.stop_requested()) {
     live_changed_.wait_for(lock, stop, kLookAfter, [] { return false; });
     follow_clock();
+    review_closed_take();
     if (live_wanted_ && !live_ && !plating_ && !recording_locked() && !stop.stop_requested()) go_live_or_not();
   }
 }

@@ -14,15 +14,18 @@
 #include "rig/client.h"
 #include "rig/daemon/camera_fleet.h"
 #include "rig/daemon/live_session.h"
+#include "rig/daemon/live_surfaces.h"
 #include "rig/daemon/picture_watch.h"
 #include "rig/daemon/preflight_watch.h"
+#include "rig/daemon/take_review.h"
 #include "rig/daemon/take_session.h"
 
 namespace rotunda::rig {
 
 class RigDaemon {
  public:
-  explicit RigDaemon(const config::RigConfig& rig);
+  // With surfaces of what the cameras see, or without.
+  explicit RigDaemon(const config::RigConfig& rig, bool with_surfaces = true);
   ~RigDaemon();  // closes a running take first
 
   bool wait_until_tried(std::stop_token stop) const { return fleet_.wait_until_tried(std::move(stop)); }
@@ -41,6 +44,7 @@ class RigDaemon {
   std::vector<IdentifiedCamera> identify(const IdentifyRequest& request);
   // Live before and after takes, or not. What keeps it from being so is a warning of the status.
   void set_live(bool on);
+  LiveSurfaces* surfaces() { return surfaces_.get(); }  // none if not asked for
 
  private:
   std::string state_locked() const;
@@ -52,6 +56,9 @@ class RigDaemon {
   void add_session(RigStatus& status, const FrameSetStream& stream) const;
   void keep_live(std::stop_token stop);
   void go_live_or_not();
+  void look_at(const capture::FrameSet& set, const std::vector<capture::CameraId>& cameras);
+  void renew_surfaces();
+  void review_closed_take();
   void follow_clock();
   bool go_live_for_a_moment();  // true if it was not before
   std::vector<CameraWorker*> workers_called(const std::string& name) const;
@@ -59,6 +66,7 @@ class RigDaemon {
   config::RigConfig rig_;
   CameraFleet fleet_;
   PictureWatch watch_;
+  std::unique_ptr<LiveSurfaces> surfaces_;  // none if not asked for
   mutable std::mutex mutex_;
   std::condition_variable_any live_changed_;
   std::shared_ptr<TakeSession> take_;  // the running or last one
@@ -67,6 +75,8 @@ class RigDaemon {
   std::string live_problem_;
   std::unique_ptr<LiveSession> live_;
   std::chrono::steady_clock::time_point session_begun_;  // of live or take
+  std::weak_ptr<TakeSession> reviewed_;                  // the last take that was handed to `review_`
+  std::unique_ptr<TakeReview> review_;                   // none without surfaces
   std::jthread live_keeper_;
   std::optional<PreflightWatch> preflight_;  // last: asks for the status
 };

@@ -78,6 +78,16 @@ class RigService final : public v1::Rig::Service {
     }
   }
 
+  grpc::Status WatchLive(grpc::ServerContext* context, const v1::WatchLiveRequest* request,
+                         grpc::ServerWriter<v1::LivePacket>* writer) override {
+    auto* surfaces = daemon_.surfaces();
+    if (!surfaces) return {grpc::StatusCode::FAILED_PRECONDITION, "this daemon makes no live surfaces (--no-surfaces)"};
+    LiveViewer viewer(*surfaces, request->pictures());
+    while (!context->IsCancelled() && !ending_)
+      if (const auto packet = viewer.next(200ms); packet && !writer->Write(to_message(*packet))) break;
+    return grpc::Status::OK;
+  }
+
   grpc::Status Identify(grpc::ServerContext*, const v1::IdentifyRequest* request, v1::IdentifyAnswer* answer) override {
     try {
       *answer = to_message(daemon_.identify(from_message(*request)));

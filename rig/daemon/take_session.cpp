@@ -113,8 +113,8 @@ std::optional<std::uint64_t> wanted_frame_sets(const TakeRequest& request, doubl
 }
 
 TakeSession::TakeSession(const config::RigConfig& rig, const TakeRequest& request, CameraFleet& fleet,
-                         PictureWatch& watch)
-    : watch_(watch),
+                         Onlooker onlooker)
+    : onlooker_(std::move(onlooker)),
       folder_(take_folder(rig, request)),
       cameras_(recorded_cameras(fleet)),
       most_queued_(static_cast<std::size_t>(rig.storage.queue_frame_sets)),
@@ -145,7 +145,7 @@ void TakeSession::request_stop() {
 }
 
 void TakeSession::enqueue(capture::FrameSet&& set) {
-  watch_.offer(set);
+  onlooker_(set, stream_.cameras());
   if (queue_.size() >= most_queued_) leave_out(set);
   queue_.try_push(std::move(set));
 }

@@ -17,7 +17,6 @@
 #include "rig/client.h"
 #include "rig/daemon/camera_fleet.h"
 #include "rig/daemon/frame_set_stream.h"
-#include "rig/daemon/picture_watch.h"
 
 namespace rotunda::rig {
 
@@ -25,8 +24,8 @@ class TakeSession {
  public:
   // Makes the take's folder and fires the first trigger soon after. Throws InvalidInput (name taken or not a name),
   // DeviceError (no camera streams), std::system_error (no room, no link to the cameras).
-  // `watch` is offered every set.
-  TakeSession(const config::RigConfig& rig, const TakeRequest& request, CameraFleet& fleet, PictureWatch& watch);
+  // `onlooker` is shown every set.
+  TakeSession(const config::RigConfig& rig, const TakeRequest& request, CameraFleet& fleet, Onlooker onlooker);
   ~TakeSession();  // stops and closes the take
 
   void request_stop();  // returns at once
@@ -53,7 +52,7 @@ class TakeSession {
   void tell_cameras();
   void tell(const std::string& incident);
 
-  PictureWatch& watch_;
+  Onlooker onlooker_;
   std::filesystem::path folder_;
   std::vector<capture::TakeCamera> cameras_;  // that have a file in this take
   std::size_t most_queued_;

@@ -70,6 +70,8 @@ std::vector<Span> concerns(const PageState& state) {
     spans.push_back({"cannot record: " + reason, Style::alarm});
   add_take(state.status->take, spans);
   add_cameras(*state.status, spans);
+  if (const auto& problem = state.status->surfaces.problem; !problem.empty())
+    spans.push_back({"live surfaces: " + problem, Style::warn});
   for (const auto& warning : state.status->warnings) spans.push_back({warning, Style::warn});
   add_preflight(*state.status, spans);
   std::stable_partition(spans.begin(), spans.end(), [](const Span& span) { return span.style == Style::alarm; });

@@ -66,12 +66,20 @@ Line rig_line(const RigStatus& status) {
   return line;
 }
 
+// "12.4 surfaces/s, 180 ms late, 37 shed"; of sets that were shed nothing is lost but a look at them.
+Span surface_words(const LiveSurfacesStatus& surfaces) {
+  return {
+      fmt::format("  {:.1f} surfaces/s, {:.0f} ms late, {} shed", surfaces.rate_hz, surfaces.delay_ms, surfaces.shed),
+      surfaces.rate_hz > 0.0 ? Style::plain : Style::warn};
+}
+
 Line slate_line(const PageState& state) {
   const auto or_dash = [](const std::string& text) { return text.empty() ? std::string("-") : text; };
   Line line{{"slate: scene "}, {or_dash(state.scene), Style::title}, {" shot "}, {or_dash(state.shot), Style::title}};
   const auto& take = state.status->take;
   if (!take.slate.empty())
     line.push_back({fmt::format("  ({} {})", take.closed ? "last" : "now", take.slate), Style::dim});
+  if (state.status->surfaces.state == "running") line.push_back(surface_words(state.status->surfaces));
   if (!take.note.empty()) line.push_back({"  note: " + take.note});
   return line;
 }

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <fstream>
 #include <thread>
 
@@ -81,6 +82,7 @@ std::unique_ptr<ScopedProgram> StudioTest::start_sim(const fs::path& rig) {
 std::unique_ptr<ScopedProgram> StudioTest::start_daemon(const fs::path& rig, std::vector<std::string> more) {
   std::vector<std::string> arguments{"--rig", rig.string(), "--takes", takes().string(), "--socket", socket().string()};
   arguments.insert(arguments.end(), more.begin(), more.end());
+  if (std::find(more.begin(), more.end(), "--surfaces") == more.end()) arguments.push_back("--no-surfaces");
   auto daemon = start("rotundad", arguments);
   EXPECT_TRUE(daemon->wait_for(" ready: ")) << daemon->err();
   return daemon;

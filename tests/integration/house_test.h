@@ -57,6 +57,7 @@ class StudioTest : public HouseTest {
   // Writes NAME.yaml and its calibration; the cameras are cam00... on 127.0.0.1...
   std::filesystem::path write_rig(const SmallRig& rig = {}, const std::string& name = "rig");
   std::unique_ptr<ScopedProgram> start_sim(const std::filesystem::path& rig);  // returns when its cameras answer
+  // Without live surfaces, which cost sanitized programs dear, unless `more` asks for them: "--surfaces".
   std::unique_ptr<ScopedProgram> start_daemon(const std::filesystem::path& rig, std::vector<std::string> more = {});
   nlohmann::json status();
   // Asks for the status until it is as wanted; fails the test if that never comes.

@@ -100,6 +100,18 @@ TEST(RigPage, TellsTheRecordingTakeAtEightyColumns) {
   EXPECT_THAT(text_of(page[23]), AllOf(HasSubstr("r record"), HasSubstr("s stop"), HasSubstr("q quit")));
 }
 
+TEST(RigPage, TellsHowManySurfacesAreMadeAndWhyNone) {
+  auto state = recording_studio();
+  auto& surfaces = state.status->surfaces;
+  surfaces = {.state = "running", .rate_hz = 12.43, .delay_ms = 180.2, .made = 400, .shed = 37};
+  EXPECT_THAT(text_of(lay_out(state, kSmall)[2]), HasSubstr("12.4 surfaces/s, 180 ms late, 37 shed"));
+  surfaces.rate_hz = 0.0;
+  surfaces.problem = "the rig has no calibration";
+  const auto page = lay_out(state, kSmall);
+  EXPECT_TRUE(has_style(page[2], Style::warn));
+  EXPECT_TRUE(has_style(line_with(page, "live surfaces: the rig has no calibration"), Style::warn));
+}
+
 TEST(RigPage, TellsTheEngineerMoreWhereThereIsRoom) {
   auto state = recording_studio();
   state.status->cameras[0].clock = "ptp slave";
