@@ -17,6 +17,7 @@
 #include "config/errors.h"
 #include "recon/frame_reconstruction.h"
 #include "recon/mesh/mesh_file.h"
+#include "recon/take_cameras.h"
 #include "recon/take_plates.h"
 #include "recon/take_studio.h"
 #include "recon/video/geometry_video.h"
@@ -48,6 +49,7 @@ class TakeReconstruction {
   };
 
   void choose_frames();
+  void check_cameras();
   std::string settings_json() const;
   void reconstruct_frames();
   Work begin(std::size_t frame);
@@ -144,6 +146,7 @@ void TakeReconstruction::reconstruct_frames() {
   const auto jobs = static_cast<std::size_t>(options_.jobs > 0 ? options_.jobs : tbb::info::default_concurrency());
   const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, jobs);
   clock_.run("plates", [&] { learn_missing_plates(take_, studio_.views); });
+  clock_.run("cameras", [&] { check_cameras(); });
   if (options_.quality == Quality::live) make_live_keys(take_, studio_.views);
   std::size_t next = first_;
   const auto source = [&](tbb::flow_control& control) -> std::size_t {
@@ -173,6 +176,11 @@ void TakeReconstruction::reconstruct_frames() {
                                                                          }) &
           tbb::make_filter<std::shared_ptr<Work>, void>(
               tbb::filter_mode::parallel, [&](std::shared_ptr<Work> work) { alone([&] { finish(*work); }); }));
+}
+
+void TakeReconstruction::check_cameras() {
+  report_.cameras = camera_standings(take_, studio_.views, stop_);
+  if (!stop_.stop_requested()) write_standings(take_.folder() / "recon" / "cameras.json", report_.cameras);
 }
 
 TakeReconstruction::Work TakeReconstruction::begin(std::size_t frame) {

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "recon/camera_standing.h"
 #include "recon/stage_clock.h"
 
 namespace rotunda::recon {
@@ -45,6 +46,7 @@ struct TakeReconstructionReport {
   std::vector<StageCost> stages;     // of this run
   double wall_s = 0.0, cpu_s = 0.0;  // of this run, CPU of the whole process
   bool interrupted = false;
+  std::vector<CameraStanding> cameras;  // of the take; also in recon/cameras.json
 };
 
 // Calls `progress` now and then, from any thread, one call at a time. Throws InvalidInput (no such frames, a camera

@@ -3,18 +3,19 @@
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
-#include <opencv2/core.hpp>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "capture/calibration/board_folder.h"
 #include "capture/calibration/board_search.h"
 #include "capture/calibration/camera_watch.h"
+#include "capture/calibration/take_watch.h"
 #include "capture/calibration_file.h"
-#include "capture/picture.h"
-#include "capture/take/take_reader.h"
 #include "config/errors.h"
 #include "config/exit_code.h"
+#include "recon/take_cameras.h"
+#include "recon/take_studio.h"
 
 namespace rotunda::rig {
 namespace {
@@ -23,60 +24,44 @@ using nlohmann::json;
 namespace fs = std::filesystem;
 
 constexpr double kBoardShiftTold = 1.0;  // pixels; boards held by hand and the calibration itself make a few tenths
-constexpr std::size_t kFrameSetsTried = 25;
 
+// What is told of a camera: by what stands still behind the performer, by the performer's outlines, or by a board.
 struct Checked {
-  std::string camera;
-  std::optional<double> shift_px;
-  bool moved = false;
-  std::string how;  // "61 features", "not told: no background"
+  capture::CameraMove move;
+  recon::CameraStanding outlines;
 };
 
-cv::Mat green_of(const cv::Mat& rgb) {
-  cv::Mat green;
-  cv::extractChannel(rgb, green, 1);
-  return green;
+Checked together(capture::CameraMove move, const recon::CameraStanding& standing) {
+  const auto& outlines = standing.shift;
+  if (!outlines) return {move, standing};
+  const auto by_outlines = fmt::format("outlines: {:.1f} +- {:.1f} px", outlines->shift_px, outlines->deviation_px);
+  move.how = move.shift_px ? fmt::format("{}: {:.1f} px; {}", move.how, *move.shift_px, by_outlines) : by_outlines;
+  if (outlines->moved || !move.shift_px) move.shift_px = outlines->shift_px;
+  move.moved = move.moved || outlines->moved;
+  return {move, standing};
 }
 
-// The first picture of the camera among the take's first frame sets.
-cv::Mat first_picture(const capture::TakeReader& take, std::size_t camera) {
-  for (std::size_t i = 0; i < std::min(kFrameSetsTried, take.frame_set_count()); ++i)
-    if (const auto picture = capture::picture_of(take.read(i, camera)); !picture.rgb.empty())
-      return green_of(picture.rgb);
-  return {};
+// Of a take without a calibration, or in front of no screen, the background alone tells.
+std::vector<recon::CameraStanding> by_outlines(const capture::TakeReader& take, const fs::path& calibration,
+                                               const std::stop_token& stop) {
+  const std::vector<recon::CameraStanding> nothing(take.info().cameras.size());
+  if (calibration.empty() && !fs::exists(capture::calibration_file(take.folder()))) return nothing;
+  const auto studio =
+      recon::read_take_studio(take, calibration.empty() ? std::nullopt : std::optional<fs::path>(calibration));
+  try {
+    return recon::camera_standings(take, studio.views, stop);
+  } catch (const InvalidInput& cannot) {
+    fmt::print(stderr, "outlines tell nothing: {}\n", cannot.what());
+    return nothing;
+  }
 }
 
-Checked compare(const std::string& camera, const fs::path& background, const cv::Mat& now) {
-  Checked checked{.camera = camera};
-  if (now.empty() || !fs::exists(background)) {
-    checked.how = now.empty() ? "not told: there is no picture" : "not told: there is no " + background.string();
-    return checked;
-  }
-  const cv::Mat before = green_of(capture::read_rgb(background));
-  if (before.size() != now.size()) {
-    checked.how = fmt::format("not told: {} is of another size", background.string());
-    return checked;
-  }
-  const auto shift = capture::background_shift(before, now);
-  if (!shift) {
-    checked.how = "not told: too little of the background is to be recognised";
-    return checked;
-  }
-  checked.shift_px = shift->shift_px;
-  checked.moved = capture::has_moved(*shift);
-  checked.how = fmt::format("{} features", shift->features);
-  return checked;
-}
-
-std::vector<Checked> check_take(const CheckRequest& request) {
+std::vector<Checked> check_take(const CheckRequest& request, const std::stop_token& stop) {
   const capture::TakeReader take(request.take);
+  const auto moves = capture::camera_moves(take, request.background);
+  const auto standings = by_outlines(take, request.calibration, stop);
   std::vector<Checked> all;
-  for (std::size_t i = 0; i < take.info().cameras.size(); ++i) {
-    const auto& name = take.info().cameras[i].name;
-    const fs::path before = request.background.empty() ? capture::background_file(take.folder(), name)
-                                                       : request.background / (name + ".png");
-    all.push_back(compare(name, before, first_picture(take, i)));
-  }
+  for (std::size_t i = 0; i < moves.size(); ++i) all.push_back(together(moves[i], standings[i]));
   return all;
 }
 
@@ -103,28 +88,34 @@ std::vector<Checked> check_boards_seen(const CheckRequest& request, const std::s
   const auto shifts = capture::board_shifts(cameras, known, boards);
   std::vector<Checked> all;
   for (std::size_t i = 0; i < cameras.size(); ++i) {
-    Checked checked{.camera = cameras[i].name, .how = "not told: it saw no board together with another camera"};
+    capture::CameraMove checked{.camera = cameras[i].name,
+                                .how = "not told: it saw no board together with another camera"};
     if (shifts[i].corners > 0) {
       checked.shift_px = shifts[i].shift_px;
       checked.moved = shifts[i].shift_px > kBoardShiftTold;
       checked.how = fmt::format("{} corners", shifts[i].corners);
     }
-    all.push_back(std::move(checked));
+    all.push_back({std::move(checked), {}});
   }
   return all;
+}
+
+json to_json(const Checked& one) {
+  json entry{{"camera", one.move.camera}, {"moved", one.move.moved}, {"how", one.move.how}};
+  if (one.move.shift_px) entry["shift_px"] = *one.move.shift_px;
+  if (one.outlines.shift) entry["outlines"] = json::parse(recon::to_json(std::span(&one.outlines, 1))).front();
+  return entry;
 }
 
 int tell(const std::vector<Checked>& all, bool as_json) {
   json list = json::array();
   bool good = true;
   for (const auto& one : all) {
-    good = good && one.shift_px && !one.moved;
-    json entry{{"camera", one.camera}, {"moved", one.moved}, {"how", one.how}};
-    if (one.shift_px) entry["shift_px"] = *one.shift_px;
-    list.push_back(entry);
+    good = good && one.move.shift_px && !one.move.moved;
+    list.push_back(to_json(one));
     if (as_json) continue;
-    const auto shift = one.shift_px ? fmt::format("{:.2f} px", *one.shift_px) : "-";
-    fmt::print("{:<12} {:>9}  {:<6} {}\n", one.camera, shift, one.moved ? "MOVED" : "", one.how);
+    const auto shift = one.move.shift_px ? fmt::format("{:.2f} px", *one.move.shift_px) : "-";
+    fmt::print("{:<12} {:>9}  {:<6} {}\n", one.move.camera, shift, one.move.moved ? "MOVED" : "", one.move.how);
   }
   if (as_json) fmt::print("{}\n", list.dump(2));
   return good ? kDone : kDoneWithLoss;
@@ -133,7 +124,7 @@ int tell(const std::vector<Checked>& all, bool as_json) {
 }  // namespace
 
 int check_cameras(const CheckRequest& request, bool as_json, const std::stop_token& stop) {
-  if (!request.take.empty()) return tell(check_take(request), as_json);
+  if (!request.take.empty()) return tell(check_take(request, stop), as_json);
   return tell(check_boards_seen(request, stop), as_json);
 }
 

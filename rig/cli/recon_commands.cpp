@@ -43,9 +43,16 @@ json to_json(const std::vector<recon::StageCost>& stages) {
 json to_json(const recon::TakeReconstructionReport& report) {
   json failed = json::array();
   for (const auto& frame : report.failed) failed.push_back({{"frame", frame.frame}, {"reason", frame.reason}});
-  return {{"video", report.video.string()}, {"frames", report.frames}, {"mapped", report.mapped},
-          {"resumed", report.resumed},      {"failed", failed},        {"interrupted", report.interrupted},
-          {"wall_s", report.wall_s},        {"cpu_s", report.cpu_s},   {"stages", to_json(report.stages)}};
+  return {{"video", report.video.string()},
+          {"frames", report.frames},
+          {"mapped", report.mapped},
+          {"resumed", report.resumed},
+          {"failed", failed},
+          {"interrupted", report.interrupted},
+          {"wall_s", report.wall_s},
+          {"cpu_s", report.cpu_s},
+          {"stages", to_json(report.stages)},
+          {"cameras", json::parse(recon::to_json(report.cameras))}};
 }
 
 void print_report(const recon::TakeReconstructionReport& report) {
@@ -59,7 +66,15 @@ void print_report(const recon::TakeReconstructionReport& report) {
   if (!report.video.empty()) fmt::print("{}\n", report.video.string());
 }
 
+// Once over the whole take: no camera is blamed frame by frame.
+void tell_moved(const recon::TakeReconstructionReport& report) {
+  for (const auto& standing : report.cameras)
+    if (standing.shift && standing.shift->moved)
+      fmt::print(stderr, "warning: {}; fasten it and calibrate anew\n", recon::in_words(standing));
+}
+
 int tell(const recon::TakeReconstructionReport& report, bool as_json) {
+  tell_moved(report);
   if (as_json)
     fmt::print("{}\n", to_json(report).dump(2));
   else

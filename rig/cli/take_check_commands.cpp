@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "capture/calibration/take_watch.h"
 #include "capture/take/take_recovery.h"
 #include "capture/take/take_verify.h"
 #include "config/exit_code.h"
@@ -61,7 +62,9 @@ int check_take(const CommandLine& line, const std::string& name, const char* wha
     report = check(
         folder, [&](std::size_t done, std::size_t total) { bar.update(done, total); }, stop);
   }
-  return tell_report(report, line.json);
+  const int code = tell_report(report, line.json);
+  for (const auto& camera : capture::moves_in_words(folder)) fmt::print(stderr, "warning: {}\n", camera);
+  return code;
 }
 
 }  // namespace

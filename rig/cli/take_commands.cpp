@@ -1,12 +1,14 @@
 // rotunda take start | stop | list | show | import | export.
 #include <fmt/chrono.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "capture/calibration/take_watch.h"
 #include "capture/take/archive_manifest.h"
 #include "capture/take/take.h"
 #include "capture/take/take_edit.h"
@@ -31,13 +33,28 @@ json to_json(const TakeProgress& take) {
           {"warnings", take.warnings}};
 }
 
+// Of a take that has closed, who moved is looked for here, in the client and after everybody else: recording the next
+// one never waits for it.
+std::vector<std::string> moved_cameras(const TakeProgress& take) {
+  if (!take.closed || take.frame_sets == 0) return {};
+  constexpr int kAfterEverybody = 19;
+  [[maybe_unused]] const int nicer = nice(kAfterEverybody);
+  return capture::moves_in_words(take.folder);
+}
+
 int tell_take(const TakeProgress& take, bool as_json) {
-  if (as_json)
-    fmt::print("{}\n", to_json(take).dump(2));
-  else
+  if (!as_json)
     fmt::print("take {}: {} frame sets, {} complete{}\n  {}\n", take.name, take.frame_sets, take.complete,
                take.closed ? "" : ", recording; stop it with: rotunda take stop", take.folder.string());
+  std::fflush(stdout);
+  const auto moved = moved_cameras(take);
+  if (as_json) {
+    auto answer = to_json(take);
+    answer["moved_cameras"] = moved;
+    fmt::print("{}\n", answer.dump(2));
+  }
   for (const auto& warning : take.warnings) fmt::print(stderr, "warning: {}\n", warning);
+  for (const auto& camera : moved) fmt::print(stderr, "warning: {}\n", camera);
   if (!take.failure.empty()) {
     fmt::print(stderr, "rotunda: take {} ended early: {}\n", take.name, take.failure);
     return kDeviceFailed;
@@ -162,6 +179,7 @@ int show_take(const CommandLine& line, const std::string& name) {
   if (line.json) {
     auto answer = to_json(info);
     answer["archived"] = capture::is_archive(folder);
+    answer["moved_cameras"] = capture::moves_in_words(folder);
     fmt::print("{}\n", answer.dump(2));
     return kDone;
   }
@@ -184,6 +202,7 @@ int show_take(const CommandLine& line, const std::string& name) {
   fmt::print("  {:.1f} MB on disk{}\n", static_cast<double>(bytes_in(folder)) / 1e6,
              capture::is_archive(folder) ? ", archived: as it was recorded by rotunda take restore" : "");
   for (const auto& problem : reader.problems()) fmt::print("  problem: {}\n", problem);
+  for (const auto& camera : capture::moves_in_words(folder)) fmt::print("  problem: {}\n", camera);
   return kDone;
 }
 
