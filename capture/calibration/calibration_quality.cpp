@@ -105,6 +105,21 @@ void fill_volume(const RigState& state, std::span<const Sighting> sightings, std
   volume.share = static_cast<double>(well) / static_cast<double>(seen_by.size());
 }
 
+// At the depth where boards were.
+std::vector<Eigen::Vector3d> seen_at_rim(const CameraModel& camera, const ImageCoverage& coverage) {
+  constexpr int kSteps = 6;  // a side
+  const double right = camera.width - 1.0, bottom = camera.height - 1.0;
+  const double away = 0.5 * (coverage.nearest + coverage.farthest);
+  std::vector<Eigen::Vector3d> points;
+  for (int i = 0; i < kSteps; ++i) {
+    const double x = right * i / kSteps, y = bottom * i / kSteps;
+    for (const Eigen::Vector2d& pixel : {Eigen::Vector2d(x, 0.0), Eigen::Vector2d(right, y),
+                                         Eigen::Vector2d(right - x, bottom), Eigen::Vector2d(0.0, bottom - y)})
+      if (const auto ray = ray_through(camera, pixel)) points.push_back(camera.centre() + away * *ray);
+  }
+  return points;
+}
+
 }  // namespace
 
 void tell_residuals(const RigState& state, std::span<const Sighting> with_outliers, std::span<const Board> boards,
@@ -179,7 +194,12 @@ void tell_coverage(const RigState& state, std::span<const Sighting> sightings, s
 void tell_deviations(const RigState& state, std::span<const Sighting> sightings, std::span<const Board> boards,
                      const AdjustmentOptions& options, CalibrationResult& result) {
   const auto covariance = camera_covariance(state, sightings, boards, options, result.corner_noise_px);
-  for (std::size_t i = 0; i < state.cameras.size(); ++i) result.quality[i].deviation = deviation_of(covariance, i);
+  for (std::size_t i = 0; i < state.cameras.size(); ++i) {
+    auto& quality = result.quality[i];
+    quality.deviation = deviation_of(covariance, i);
+    quality.deviation.rim_px =
+        expected_reprojection(covariance, state, i, seen_at_rim(state.cameras[i], quality.coverage));
+  }
   std::map<BoardKey, std::vector<std::size_t>> seen_by;
   for (const auto& sighting : sightings) seen_by[{sighting.moment, sighting.board}].push_back(sighting.camera);
   std::map<std::pair<std::size_t, std::size_t>, std::set<std::size_t>> together;

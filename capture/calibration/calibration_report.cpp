@@ -93,22 +93,22 @@ std::string figures(const CalibrationResult& result) {
   std::vector<Row> rows;
   for (std::size_t i = 0; i < result.cameras.size(); ++i) {
     const auto& q = result.quality[i];
-    rows.push_back({html_escaped(result.cameras[i].name), word(q.verdict), fmt::format("{}", q.views),
-                    fmt::format("{}", q.corners), fmt::format("{}", q.outliers), fmt::format("{:.3f}", q.rms_px),
-                    fmt::format("{:.3f}", q.p95_px),
-                    q.held_out_rms_px > 0 ? fmt::format("{:.3f}", q.held_out_rms_px) : "&ndash;",
-                    fmt::format("{:.0f} %", 100 * q.coverage.outermost_radius),
-                    fmt::format("{:.2f} &ndash; {:.2f}", q.coverage.nearest, q.coverage.farthest),
-                    millimetres(q.deviation.centre), fmt::format("{:.3f}", q.deviation.rotation_deg)});
+    rows.push_back(
+        {html_escaped(result.cameras[i].name), word(q.verdict), fmt::format("{}", q.views),
+         fmt::format("{}", q.corners), fmt::format("{}", q.outliers), fmt::format("{:.3f}", q.rms_px),
+         fmt::format("{:.3f}", q.p95_px), q.held_out_rms_px > 0 ? fmt::format("{:.3f}", q.held_out_rms_px) : "&ndash;",
+         fmt::format("{:.0f} %", 100 * q.coverage.outermost_radius),
+         fmt::format("{:.2f} &ndash; {:.2f}", q.coverage.nearest, q.coverage.farthest), millimetres(q.deviation.centre),
+         fmt::format("{:.3f}", q.deviation.rotation_deg), fmt::format("{:.2f}", q.deviation.rim_px)});
   }
   return "<h2>How far to trust each camera</h2>\n" +
          table({"camera", "verdict", "views", "corners", "outliers", "RMS px", "95 % px", "held-out px",
-                "outermost<br>corner", "boards at, m", "centre &plusmn;", "rotation &plusmn; &deg;"},
+                "outermost<br>corner", "boards at, m", "centre &plusmn;", "rotation &plusmn; &deg;", "rim &plusmn; px"},
                rows) +
          "<p class=\"quiet\">&plusmn; is a standard deviation, from the adjustment's covariance; held-out: RMS at "
          "moments that took no part. The "
-         "outermost corner's distance from the principal point, as a share of the picture's own: below 75 % the lens "
-         "is guessed at the rim.</p>\n";
+         "outermost corner's distance from the principal point, as a share of the picture's own: below 75 % what the "
+         "lens does at the rim is concluded from farther in, as well as the last column says.</p>\n";
 }
 
 std::string with_deviation(double value, double deviation, int digits) {

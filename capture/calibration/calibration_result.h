@@ -49,6 +49,7 @@ struct CameraDeviation {
   Eigen::Matrix<double, 5, 1> distortion = Eigen::Matrix<double, 5, 1>::Zero();
   double centre = 0;        // metres, root of the summed variances of x, y, z
   double rotation_deg = 0;  // likewise
+  double rim_px = 0;        // of what it shows at its picture's rim, lens and pose together; 0: not known
 };
 
 struct CameraQuality {

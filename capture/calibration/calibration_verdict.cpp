@@ -14,7 +14,8 @@ namespace {
 constexpr double kGoodRms = 0.5, kWorstRms = 1.5;            // pixels
 constexpr double kGoodCentre = 0.005, kWorstCentre = 0.030;  // metres, standard deviation
 constexpr int kGoodViews = 12, kFewestTrusted = 5;           // boards a camera
-constexpr double kGoodRadius = 0.75;  // of the picture's: beyond the outermost corner distortion is a guess
+constexpr double kGoodRadius = 0.75;  // of the picture's: beyond the outermost corner distortion may be a guess
+constexpr double kGoodRim = 0.5;      // pixels, standard deviation at the picture's rim
 constexpr double kGoodOutliers = 0.05, kWorstOutliers = 0.25;  // share of corners
 constexpr double kHeldOutGrows = 1.5;                          // against the residual itself
 constexpr double kSameDistance = 1.3;                          // farthest / nearest below it: all at one distance
@@ -86,14 +87,18 @@ void judge_counts(const std::string& name, bool kept_intrinsics, CameraQuality& 
     }
     return;
   }
-  const bool few = quality.views < kGoodViews, narrow = quality.coverage.outermost_radius < kGoodRadius;
+  // Without corners out there it depends on their number and sharpness farther in: the adjustment knows.
+  const bool few = quality.views < kGoodViews,
+             narrow = quality.coverage.outermost_radius < kGoodRadius &&
+                      (quality.deviation.rim_px == 0.0 || quality.deviation.rim_px > kGoodRim);
   if (few || narrow || names_where(quality.coverage, false).size() > 2)
     quality.advice.push_back(seen_where(name, quality));
   if (narrow) {
-    quality.advice.push_back(fmt::format(
-        "{}: no corner lies farther out than {:.0f} % of the picture's radius, so its distortion there is a guess: "
-        "bring the board into the corners of its picture",
-        name, 100.0 * quality.coverage.outermost_radius));
+    quality.advice.push_back(
+        fmt::format("{}: no corner lies farther out than {:.0f} % of the picture's radius, so its lens is known to "
+                    "{:.1f} px only at "
+                    "the rim: bring the board into the corners of its picture",
+                    name, 100.0 * quality.coverage.outermost_radius, quality.deviation.rim_px));
     quality.verdict = worse(quality.verdict, Verdict::usable);
   }
   if (few) quality.verdict = worse(quality.verdict, Verdict::usable);

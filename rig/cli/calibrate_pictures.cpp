@@ -44,7 +44,8 @@ json to_json(const CalibrationResult& result, std::size_t i) {
             {"cy", deviation.cy},
             {"distortion", std::vector<double>(deviation.distortion.begin(), deviation.distortion.end())},
             {"centre_m", deviation.centre},
-            {"rotation_deg", deviation.rotation_deg}}},
+            {"rotation_deg", deviation.rotation_deg},
+            {"rim_px", deviation.rim_px}}},
           {"advice", quality.advice}};
 }
 

@@ -198,6 +198,8 @@ void measure(const Scene& scene) {
       scene.name, "rotunda", wall, cpu_seconds() - cpu, result.corner_noise_px, result.held_out_rms_px,
       to_string(result.verdict), result.world);
   for (const auto& problem : result.problems) fmt::print("  {}\n", problem);
+  for (const auto& quality : result.quality)
+    for (const auto& advice : quality.advice) fmt::print("  {}\n", advice);
   const double opencv_cpu = cpu_seconds();
   const auto corners = opencv_corners(scene);
   print(scene.name, "OpenCV", corner_errors(flat(corners), scene));

@@ -240,6 +240,28 @@ TEST(Calibrate, SaysWhereToShowTheBoard) {
                              HasSubstr("upper right"), HasSubstr("nearer than 2.0 m"))));
 }
 
+// Sharp corners farther in may tell the lens out to the rim: then nobody is sent for more.
+TEST(Calibrate, AsksForThePicturesRimWhereTheLensIsNotKnownThere) {
+  CalibrationResult result;
+  result.cameras.push_back({.name = "cam03", .width = 640, .height = 480});
+  CameraQuality quality;
+  quality.views = 40;
+  quality.corners = 48 * 20;
+  quality.coverage.corners.assign(48, 20);
+  quality.coverage.outermost_radius = 0.6;
+  quality.deviation.rim_px = 0.05;
+  result.quality.push_back(quality);
+  auto unsure = result;
+  judge(result);
+  EXPECT_EQ(result.verdict, Verdict::good);
+  EXPECT_TRUE(result.quality[0].advice.empty() && result.advice.empty());
+  unsure.quality[0].deviation.rim_px = 1.2;
+  judge(unsure);
+  EXPECT_EQ(unsure.verdict, Verdict::usable);
+  EXPECT_THAT(unsure.quality[0].advice, Contains(AllOf(HasSubstr("60 % of the picture's radius"), HasSubstr("1.2 px"),
+                                                       HasSubstr("into the corners of its picture"))));
+}
+
 // Pictures to cameras, and the wrong board's name for a board that is not there.
 TEST(Calibrate, PicturesGiveTheRig) {
   auto rig = tests::board_rig(2, 320, 256, 330.0);
