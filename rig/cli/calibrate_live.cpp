@@ -27,6 +27,7 @@ constexpr int kFruitless = 5;  // takes in a row without any picture: something 
 struct Moment {
   std::vector<std::string> cameras;
   std::vector<cv::Mat> grey;
+  std::vector<cv::Mat> rgb;  // until they are written
 };
 
 // A take of one frame set, gone again when its pictures were read.
@@ -40,11 +41,14 @@ Moment picture_moment(RigClient& client, const std::stop_token& stop) {
     const capture::TakeReader reader(take.folder);
     for (const auto& camera : reader.info().cameras) moment.cameras.push_back(camera.name);
     moment.grey.resize(moment.cameras.size());
+    moment.rgb.resize(moment.cameras.size());
     if (reader.frame_set_count() > 0) {
       const auto set = reader.read(0);
       for (std::size_t i = 0; i < set.slots.size(); ++i)
-        if (const auto picture = capture::picture_of(set.slots[i]); !picture.rgb.empty())
+        if (const auto picture = capture::picture_of(set.slots[i]); !picture.rgb.empty()) {
+          moment.rgb[i] = picture.rgb;
           cv::extractChannel(picture.rgb, moment.grey[i], 1);
+        }
     }
   }
   fs::remove_all(take.folder);
@@ -64,13 +68,18 @@ std::vector<capture::Sighting> look_for_boards(const capture::BoardDetector& det
   return sightings;
 }
 
-// Redrawn in place on a terminal, else a line now and then.
+constexpr std::size_t kToldEvery = 10;  // kept moments
+
+// Redrawn in place on a terminal; else a line a kept moment, and now and then what each camera needs.
 class NeedsTable {
  public:
   void show(const capture::BoardWalk& walk, std::size_t seen_now) {
     const auto needs = walk.needs();
     if (isatty(STDERR_FILENO) == 0) {
       if (walk.moments() == told_) return;
+      if (told_ / kToldEvery != walk.moments() / kToldEvery || told_ == 0)
+        for (const auto& need : needs)
+          if (!need.needs.empty()) fmt::print(stderr, "{} needs {}\n", need.camera, need.needs);
       told_ = walk.moments();
       const auto done = std::count_if(needs.begin(), needs.end(), [](const auto& n) { return n.needs.empty(); });
       fmt::print(stderr, "{} moments kept; {} of {} cameras have enough\n", walk.moments(), done, needs.size());
@@ -92,9 +101,9 @@ class NeedsTable {
 
 void keep_pictures(const fs::path& folder, const Moment& moment, std::size_t number) {
   for (std::size_t i = 0; i < moment.cameras.size(); ++i) {
-    if (moment.grey[i].empty()) continue;
+    if (moment.rgb[i].empty()) continue;
     fs::create_directories(folder / moment.cameras[i]);
-    capture::write_png(folder / moment.cameras[i] / fmt::format("moment{:04}.png", number), moment.grey[i]);
+    capture::write_png(folder / moment.cameras[i] / fmt::format("moment{:04}.png", number), moment.rgb[i]);
   }
 }
 
@@ -125,6 +134,7 @@ LiveBoards walk_with_board(const fs::path& daemon, const std::vector<capture::Bo
     const std::size_t seen_now = found.size();
     if (walk->add(std::move(found))) {
       if (!keep.empty()) keep_pictures(keep, moment, kept->size());
+      moment.rgb.clear();
       kept->push_back(std::move(moment));
     }
     table.show(*walk, seen_now);
