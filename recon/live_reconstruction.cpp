@@ -10,18 +10,15 @@ namespace {
 
 // Of the offline cell: the hull's cost goes with the square, and a viewer shows half of that detail at most.
 constexpr double kCoarser = 2.0;
-constexpr int kSmoothingRounds = 3;
 
 SurfaceOptions surface_options(const StudioViews& studio, const LiveOptions& options) {
-  SurfaceOptions surface{.bounds = options.bounds, .cell_size = options.cell_size, .unit = studio.unit};
-  if (surface.cell_size == 0.0 && surface.bounds)
-    surface.cell_size = kCoarser * default_cell_size(*surface.bounds, surface.unit);
-  surface.triangles = 0;
-  surface.smoothing_rounds = kSmoothingRounds;
+  auto surface = live_surface({.bounds = options.bounds, .cell_size = options.cell_size, .unit = studio.unit});
+  surface.coarseness = options.cell_size > 0.0 ? 1.0 : kCoarser;
   return surface;
 }
 
-std::vector<ColourView> colour_views(const FrameViews& views) {
+// As they come: taking spill out of a picture costs more than a whole live surface may.
+std::vector<ColourView> quick_views(const FrameViews& views) {
   std::vector<ColourView> result;
   for (std::size_t i = 0; i < views.cameras.size(); ++i)
     result.push_back({.camera = views.cameras[i],
@@ -46,7 +43,7 @@ LiveFrame reconstruct_live(const capture::FrameSet& frame_set, const StudioViews
   frame.failure = surface.failure;
   if (!surface.failure.empty()) return frame;
   frame.mesh = std::move(surface.mesh);
-  clock.run("colour", [&] { colour_live(frame.mesh, colour_views(frame.views), studio.backdrop); });
+  clock.run("colour", [&] { colour_live(frame.mesh, quick_views(frame.views), studio.backdrop); });
   return frame;
 }
 
