@@ -8,7 +8,6 @@
 
 #include "config/errors.h"
 #include "playback/performer_place.h"
-#include "playback/render/geometry_image_renderer.h"
 
 namespace rotunda::playback {
 namespace {
@@ -32,6 +31,11 @@ Orbit first_orbit(const OrbitFilmOptions& options, const Eigen::AlignedBox3d& bo
 }  // namespace
 
 int render_orbit(recon::GeometryVideoReader& video, const OrbitFilmOptions& options, FilmWriter& film) {
+  return render_orbit(video, *stored_painter(video, options.draw), options, film);
+}
+
+int render_orbit(const recon::GeometryVideoReader& video, FramePainter& painter, const OrbitFilmOptions& options,
+                 FilmWriter& film) {
   const recon::GeometryVideoHeader& header = video.header();
   const FrameRange range = range_of(options, header.frame_count());
   if (options.supersample < 1 || options.supersample > 4 || options.width < 1 || options.height < 1)
@@ -39,18 +43,17 @@ int render_orbit(recon::GeometryVideoReader& video, const OrbitFilmOptions& opti
   const int all = options.pictures > 0 ? options.pictures : range.count();
   const int width = options.width * options.supersample, height = options.height * options.supersample;
   const RenderTarget target(width, height);
-  GeometryImageRenderer renderer;
   Orbit orbit = first_orbit(options, header.box);
   int shown = -1;
   for (int picture = 0; picture < all; ++picture) {
     if (options.stop.stop_requested()) return picture;
     const int frame = range.first + picture % range.count();
-    if (frame != shown) renderer.upload(video.read(frame));
+    if (frame != shown) painter.show(frame);
     shown = frame;
     orbit.target = performer_place(header, range, frame);
     target.bind();
     clear(options.background);
-    renderer.draw(orbit.viewpoint(width, height), options.draw);
+    painter.draw(orbit.viewpoint(width, height));
     film.write(reduce(target.read_rgba(), options.supersample));
     orbit.turn(2.0 * std::numbers::pi * options.turns / all, 0.0);
     if (options.progress) options.progress(picture + 1, all);

@@ -6,6 +6,7 @@
 #include <stop_token>
 
 #include "playback/render/film_writer.h"
+#include "playback/render/frame_painter.h"
 #include "playback/render/view_program.h"
 #include "recon/video/geometry_video.h"
 
@@ -29,6 +30,9 @@ struct OrbitFilmOptions {
 // The pictures drawn: all of them and the film is finished, or fewer if it was asked to stop; then the film is not
 // finished, and closing its writer leaves nothing. Throws InvalidInput for an empty range or a size that cannot be.
 int render_orbit(recon::GeometryVideoReader& video, const OrbitFilmOptions& options, FilmWriter& film);
+// The same with somebody else to draw the video's frames; `options.draw` goes unused.
+int render_orbit(const recon::GeometryVideoReader& video, FramePainter& painter, const OrbitFilmOptions& options,
+                 FilmWriter& film);
 
 // A picture drawn `factor` times too large, averaged; straight alpha stays straight.
 cv::Mat reduce(const cv::Mat& rgba, int factor);
