@@ -63,6 +63,8 @@ void press(PlayState& state, Key key) {
     case Key::grey:
       state.draw.shading = state.draw.shading == Shading::grey ? Shading::colour : Shading::grey;
       return;
+    case Key::help:  // this player's keys stand in `rotunda play --help`
+      return;
     case Key::quit:
       state.ended = true;
       return;

@@ -24,7 +24,8 @@ std::optional<Key> key_of(int glfw_key) {
       {GLFW_KEY_DOWN, Key::down},   {GLFW_KEY_SPACE, Key::space},    {GLFW_KEY_EQUAL, Key::plus},
       {GLFW_KEY_KP_ADD, Key::plus}, {GLFW_KEY_MINUS, Key::minus},    {GLFW_KEY_KP_SUBTRACT, Key::minus},
       {GLFW_KEY_PERIOD, Key::next}, {GLFW_KEY_COMMA, Key::previous}, {GLFW_KEY_HOME, Key::home},
-      {GLFW_KEY_G, Key::grey},      {GLFW_KEY_Q, Key::quit},         {GLFW_KEY_ESCAPE, Key::quit}};
+      {GLFW_KEY_G, Key::grey},      {GLFW_KEY_Q, Key::quit},         {GLFW_KEY_ESCAPE, Key::quit},
+      {GLFW_KEY_F1, Key::help}};
   for (const auto& [number, key] : kKeys)
     if (number == glfw_key) return key;
   return std::nullopt;
@@ -42,6 +43,8 @@ struct Window::Handles {
   static void on_key(GLFWwindow* window, int key, int, int action, int) {
     const auto known = key_of(key);
     if (known && action != GLFW_RELEASE) of(window).input.keys.push_back(*known);
+    if (key >= GLFW_KEY_1 && key <= GLFW_KEY_9 && action == GLFW_PRESS)
+      of(window).input.digits.push_back(key - GLFW_KEY_0);
   }
   static void on_scroll(GLFWwindow* window, double, double notches) { of(window).input.scroll += notches; }
   static void on_mouse(GLFWwindow* window, double x, double y) {

@@ -7,10 +7,11 @@
 
 namespace rotunda::playback {
 
-enum class Key { left, right, up, down, space, plus, minus, next, previous, home, grey, quit };
+enum class Key { left, right, up, down, space, plus, minus, next, previous, home, grey, help, quit };
 
 struct WindowInput {
   std::vector<Key> keys;              // pressed or repeated since last asked
+  std::vector<int> digits;            // of these, 1 to 9
   double drag_x = 0.0, drag_y = 0.0;  // of the mouse with a button down, in window heights
   double scroll = 0.0;                // notches, away from the hand is positive
 };

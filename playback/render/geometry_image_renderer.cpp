@@ -50,23 +50,6 @@ in vec2 v_texel;
 vec3 colour() { return texture(u_colours, v_texel).rgb; }
 )";
 
-// Sign of the volume within a coarse copy of the surface: tells which way the lattice's rows and columns turn.
-bool turns_inwards(const recon::GeometryImage& image) {
-  const int side = image.side(), stride = std::max(1, side / 32);
-  const auto at = [&](int row, int column) -> const Eigen::Vector3f& {
-    return image.positions[static_cast<std::size_t>(row * side + column)];
-  };
-  const Eigen::Vector3f middle = at(side / 2, side / 2);
-  float volume = 0.0F;
-  for (int row = 0; row + stride < side; row += stride)
-    for (int column = 0; column + stride < side; column += stride) {
-      const Eigen::Vector3f a = at(row, column) - middle, b = at(row, column + stride) - middle;
-      const Eigen::Vector3f c = at(row + stride, column) - middle, d = at(row + stride, column + stride) - middle;
-      volume += (d - a).cross(c - b).dot(a + b + c + d);
-    }
-  return volume < 0.0F;
-}
-
 void set_storage(const GlTexture& texture, GLenum format, int side, GLint filter) {
   glBindTexture(GL_TEXTURE_2D, texture.get());
   glTexStorage2D(GL_TEXTURE_2D, 1, format, side, side);
@@ -97,6 +80,23 @@ void append_strip(std::vector<std::uint32_t>& strips, std::uint32_t upper, std::
 }
 
 }  // namespace
+
+// By the sign of the volume within a coarse copy of the surface.
+bool turns_inwards(const recon::GeometryImage& image) {
+  const int side = image.side(), stride = std::max(1, side / 32);
+  const auto at = [&](int row, int column) -> const Eigen::Vector3f& {
+    return image.positions[static_cast<std::size_t>(row * side + column)];
+  };
+  const Eigen::Vector3f middle = at(side / 2, side / 2);
+  float volume = 0.0F;
+  for (int row = 0; row + stride < side; row += stride)
+    for (int column = 0; column + stride < side; column += stride) {
+      const Eigen::Vector3f a = at(row, column) - middle, b = at(row, column + stride) - middle;
+      const Eigen::Vector3f c = at(row + stride, column) - middle, d = at(row + stride, column + stride) - middle;
+      volume += (d - a).cross(c - b).dot(a + b + c + d);
+    }
+  return volume < 0.0F;
+}
 
 std::vector<std::uint32_t> lattice_strips(int level) {
   const std::uint32_t quads = 1U << level, half = quads / 2, side = quads + 1;

@@ -47,6 +47,9 @@ class GeometryImageRenderer {
 // along the octahedron's own edges; columns cross rows is the front.
 std::vector<std::uint32_t> lattice_strips(int level);
 
+// Whether the lattice's rows and columns turn the other way: its front faces are clockwise.
+bool turns_inwards(const recon::GeometryImage& image);
+
 // One picture in one call, as render_mesh.
 cv::Mat render_geometry_image(const recon::GeometryImage& image, const Viewpoint& viewpoint,
                               const DrawOptions& options = {},
