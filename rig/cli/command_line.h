@@ -33,6 +33,7 @@ void add_calibrate_command(CommandLine& line);                      // calibrate
 void add_screen_command(CommandLine& line);                         // screen
 void add_recon_commands(CommandLine& line);                         // recon, map
 void add_render_commands(CommandLine& line);                        // render, play, show
+void add_character_commands(CommandLine& line);                     // character ...
 void add_export_command(CommandLine& line);                         // export
 void add_doctor_command(CommandLine& line);                         // doctor
 void add_tui_command(CommandLine& line);                            // tui

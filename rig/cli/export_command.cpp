@@ -8,6 +8,7 @@
 #include "config/exit_code.h"
 #include "config/progress.h"
 #include "recon/export/clip_export.h"
+#include "recon/motion/character.h"
 #include "rig/cli/clip_choice.h"
 #include "rig/cli/command_line.h"
 
@@ -18,6 +19,21 @@ const std::map<std::string, recon::ClipFormat> kFormats{
     {"glb", recon::ClipFormat::glb},       {"obj", recon::ClipFormat::obj},       {"ply", recon::ClipFormat::ply},
     {"vat", recon::ClipFormat::vat},       {"master", recon::ClipFormat::master}, {"float", recon::ClipFormat::float32},
     {"stream", recon::ClipFormat::stream}, {"paper", recon::ClipFormat::paper}};
+
+std::string extension_of(recon::ClipFormat format) {
+  switch (format) {
+    case recon::ClipFormat::glb:
+      return ".glb";
+    case recon::ClipFormat::paper:
+      return ".avi";
+    case recon::ClipFormat::master:
+    case recon::ClipFormat::float32:
+    case recon::ClipFormat::stream:
+      return ".mkv";
+    default:
+      return "";  // folders
+  }
+}
 
 struct ExportArguments {
   std::string clip, format, frames;
@@ -42,7 +58,33 @@ void tell(const recon::ClipExportReport& report, const recon::ClipExportOptions&
     fmt::print("{} frames could not be reconstructed and are made from their neighbours\n", report.interpolated);
 }
 
+// Every clip of a character, under its own name, in a folder.
+int export_character(const CommandLine& line, const ExportArguments& arguments, std::stop_token stop) {
+  const auto graph = recon::open_character(arguments.clip);
+  const auto& folder = arguments.options.output;
+  if (folder.has_extension())
+    throw InvalidInput(
+        fmt::format("a character is exported to a folder, a file a clip; {} looks like a file", folder.string()));
+  std::filesystem::create_directories(folder);
+  for (const auto& clip : graph.clips) {
+    recon::GeometryVideoReader video(recon::clip_video_of(arguments.clip, clip.name));
+    auto options = arguments.options;
+    options.format = kFormats.at(arguments.format);
+    options.stop = stop;
+    options.output = folder / (clip.name + extension_of(options.format));
+    recon::ClipExportReport report;
+    {
+      Progress bar("export " + clip.name);
+      options.progress = [&](std::size_t done, std::size_t total) { bar.update(done, total); };
+      report = recon::export_clip(video, options);
+    }
+    tell(report, options, line.json);
+  }
+  return kDone;
+}
+
 int export_video(const CommandLine& line, ExportArguments arguments, std::stop_token stop) {
+  if (recon::is_character(arguments.clip)) return export_character(line, arguments, std::move(stop));
   auto& options = arguments.options;
   const auto source = find_video(line, arguments.clip);
   recon::GeometryVideoReader video(source);
@@ -67,13 +109,15 @@ int export_video(const CommandLine& line, ExportArguments arguments, std::stop_t
 void add_export_command(CommandLine& line) {
   auto arguments = std::make_shared<ExportArguments>();
   auto* app = line.app.add_subcommand("export", "writes a geometry video for Blender, Unreal, Unity and others");
-  app->add_option("clip", arguments->clip, "a take, by name or path, or a geometry video's file")->required();
+  app->add_option("clip", arguments->clip, "a take, by name or path, a geometry video's file, or a character's folder")
+      ->required();
   app->add_option("--to", arguments->format,
                   "glb (one file, animated), obj or ply (a file a frame), vat (vertex animation texture); "
                   "or a geometry video: master (lossless), float (every bit), stream (small), paper (24-bit AVI)")
       ->required()
       ->check(CLI::IsMember(kFormats));
-  app->add_option("-o,--output", arguments->options.output, "FILE.glb, FILE.mkv, FILE.avi; obj, ply, vat: a folder")
+  app->add_option("-o,--output", arguments->options.output,
+                  "FILE.glb, FILE.mkv, FILE.avi; obj, ply, vat, and of a character always: a folder")
       ->required();
   app->add_option("--frames", arguments->frames, "A:B, half-open, counted from 0");
   app->add_option("--level", arguments->options.level, "(2^level + 1)^2 vertices; else as fine as the geometry video")
@@ -83,7 +127,8 @@ void add_export_command(CommandLine& line) {
   app->footer(
       "Examples:\n  rotunda export demo --to glb --level 7 -o demo.glb\n"
       "  rotunda export demo --to obj --frames 0:25 -o demo-obj\n"
-      "  rotunda export demo --to stream -o demo.mkv");
+      "  rotunda export demo --to stream -o demo.mkv\n"
+      "  rotunda export alex --to glb --level 6 -o alex-clips");
   app->callback([&line, arguments] {
     line.run = [&line, arguments](std::stop_token stop) { return export_video(line, *arguments, std::move(stop)); };
   });

@@ -11,6 +11,8 @@
 #include "config/errors.h"
 #include "config/exit_code.h"
 #include "config/progress.h"
+#include "playback/character_film.h"
+#include "playback/character_window.h"
 #include "playback/contact_sheet.h"
 #include "playback/display/headless.h"
 #include "playback/player.h"
@@ -19,9 +21,11 @@
 #include "playback/render/orbit_film.h"
 #include "playback/viewpoint.h"
 #include "recon/live_take.h"
+#include "recon/motion/character.h"
 #include "recon/stage_clock.h"
 #include "recon/take_studio.h"
 #include "recon/video/geometry_video.h"
+#include "rig/cli/character_report.h"
 #include "rig/cli/clip_choice.h"
 #include "rig/cli/command_line.h"
 #include "rig/cli/live_view.h"
@@ -40,7 +44,7 @@ struct RenderArguments {
   bool orbit = false;
   std::optional<std::size_t> frame;
   double turns = 1.0;
-  fs::path output;
+  fs::path output, script;
 };
 
 std::optional<recon::Colour> background_of(const RenderArguments& arguments) {
@@ -164,7 +168,46 @@ int render_view(const CommandLine& line, const RenderArguments& arguments, recon
   return tell(line, clock, arguments.output, !stop.stop_requested());
 }
 
+// A character performs what the script says; without one its first state, once round.
+int render_performance(const CommandLine& line, const RenderArguments& arguments, std::stop_token stop) {
+  if (!arguments.view.empty() || arguments.frame || !arguments.frames.empty())
+    throw InvalidInput("a character is filmed with --script FILE or --orbit; leave --view, --frame and --frames out");
+  const auto graph = recon::open_character(arguments.clip);
+  playback::CharacterFilmOptions options;
+  if (!arguments.size.empty()) {
+    options.width = arguments.size[0];
+    options.height = arguments.size[1];
+  }
+  if (!arguments.script.empty())
+    options.script = playback::read_script(arguments.script, graph);
+  else
+    options.script.seconds = 3.0 * playback::first_cycle_seconds(graph);
+  options.turns = arguments.orbit ? arguments.turns : 0.0;
+  options.stop = stop;
+  const auto output = arguments.output.empty() ? fs::path("character.mp4") : arguments.output;
+  options.background = background_of(arguments);
+  if (!options.background && output.extension() == ".mp4") options.background = playback::FilmOptions{}.background;
+  const auto film = playback::make_film_writer(output, {.width = options.width,
+                                                        .height = options.height,
+                                                        .fps = graph.fps,
+                                                        .background = options.background.value_or(recon::Colour{})});
+  Progress bar("rendering");
+  recon::StageClock clock;
+  recon::StageClock::Laps laps(clock, "render");
+  options.progress = [&](int done, int all) {
+    laps.lap();
+    bar.update(static_cast<std::size_t>(done), static_cast<std::size_t>(all));
+  };
+  const playback::HeadlessDisplay display;
+  playback::render_character(arguments.clip, graph, options, *film);
+  return tell(line, clock, output, !stop.stop_requested());
+}
+
 int render(const CommandLine& line, RenderArguments arguments, std::stop_token stop) {
+  if (recon::is_character(arguments.clip)) return render_performance(line, arguments, std::move(stop));
+  if (!arguments.script.empty())
+    throw InvalidInput(
+        fmt::format("{} is no character: scripts are for folders that rotunda character build made", arguments.clip));
   if (arguments.orbit && (!arguments.view.empty() || arguments.frame))
     throw InvalidInput("--orbit goes round by itself; leave --view and --frame out");
   recon::GeometryVideoReader video(find_video(line, arguments.clip));
@@ -176,13 +219,26 @@ int render(const CommandLine& line, RenderArguments arguments, std::stop_token s
 
 // A take that is not reconstructed yet is shown as the daemon left it: at live quality.
 std::optional<fs::path> only_live_surfaces(const CommandLine& line, const std::string& clip) {
-  if (fs::is_regular_file(clip)) return std::nullopt;
+  if (fs::is_regular_file(clip) || recon::is_character(clip)) return std::nullopt;
   const auto take = find_take(line, clip);
   const auto live = recon::live_take_file(take);
   return fs::exists(live) && !fs::exists(recon::geometry_video_of(take)) ? std::optional(live) : std::nullopt;
 }
 
+int play_character(const CommandLine& line, const fs::path& character, const playback::PlayOptions& options) {
+  const auto report = playback::play_character(character, recon::open_character(character), options);
+  if (line.json)
+    fmt::print(
+        "{}\n",
+        json{{"pictures", report.pictures}, {"seconds", report.seconds}, {"load_s", report.load_seconds}}.dump(2));
+  return kDone;
+}
+
 int play(const CommandLine& line, const std::string& clip, playback::PlayOptions options, std::stop_token stop) {
+  if (recon::is_character(clip)) {
+    options.stop = std::move(stop);
+    return play_character(line, clip, options);
+  }
   recon::GeometryVideoReader video(find_video(line, clip));
   options.stop = std::move(stop);
   const auto report = playback::play(video, options);
@@ -206,6 +262,7 @@ json header_report(const recon::GeometryVideoHeader& header) {
 }
 
 int show(const CommandLine& line, const std::string& clip, const fs::path& picture, std::size_t frame) {
+  if (recon::is_character(clip)) return show_character(line, {clip, picture, {}});
   if (!picture.empty() && !fs::is_regular_file(clip)) {
     capture::write_png(picture, playback::contact_sheet(find_take(line, clip), {.frame = frame}));
     if (!line.json) fmt::print("{}\n", picture.string());
@@ -224,8 +281,11 @@ int show(const CommandLine& line, const std::string& clip, const fs::path& pictu
 
 void add_render(CommandLine& line) {
   auto arguments = std::make_shared<RenderArguments>();
-  auto* app = line.app.add_subcommand("render", "draws a geometry video from any viewpoint");
-  app->add_option("clip", arguments->clip, "a take, by name or path, or a geometry video's file")->required();
+  auto* app =
+      line.app.add_subcommand("render", "draws a geometry video, or a character's performance, from any viewpoint");
+  app->add_option("clip", arguments->clip, "a take, by name or path, a geometry video's file, or a character's folder")
+      ->required();
+  app->add_option("--script", arguments->script, "of a character: what it does when (YAML)");
   auto* view = app->add_option("--view", arguments->view, "CALIBRATION:CAMERA: exactly through that camera");
   app->add_flag("--orbit", arguments->orbit, "a film that goes round the performer")->excludes(view);
   app->add_option("--turns", arguments->turns, "of the orbit")->capture_default_str();
@@ -242,7 +302,9 @@ void add_render(CommandLine& line) {
   app->add_option("-o,--output", arguments->output, "FILE.png, FILE.mp4 or a folder of pictures (orbit.mp4, view.png)");
   app->footer(
       "Examples:\n  rotunda render demo --orbit -o orbit.mp4\n"
-      "  rotunda render demo --view calibration.yaml:cam03 --frame 12 -o view.png");
+      "  rotunda render demo --view calibration.yaml:cam03 --frame 12 -o view.png\n"
+      "  rotunda render alex --script performance.yaml -o performance.mp4\n"
+      "A script: - {at: 1.0, state: walk}, - {at: 3.5, turn_deg: 40}, - {at: 5.0, speed: 1.6}, a line each.");
   app->callback([&line, arguments] {
     line.run = [&line, arguments](std::stop_token stop) { return render(line, *arguments, std::move(stop)); };
   });
@@ -252,10 +314,11 @@ void add_play(CommandLine& line) {
   auto clip = std::make_shared<std::string>();
   auto options = std::make_shared<playback::PlayOptions>();
   auto live = std::make_shared<LiveViewRequest>();
-  auto* app = line.app.add_subcommand("play", "plays a take's geometry video, or the rig live, in a window");
+  auto* app = line.app.add_subcommand(
+      "play", "plays a take's geometry video or the rig live, or steers a character, in a window");
   auto* what = app->add_option_group("what");
   what->require_option(1);
-  what->add_option("clip", *clip, "a take, by name or path, or a geometry video's file");
+  what->add_option("clip", *clip, "a take, by name or path, a geometry video's file, or a character's folder");
   auto is_live = std::make_shared<bool>(false);
   auto* live_flag = what->add_flag("--live", *is_live, "the surfaces that the daemon makes while cameras run");
   app->add_flag("--fullscreen", options->fullscreen, "fill the screen");
@@ -269,6 +332,7 @@ void add_play(CommandLine& line) {
   app->footer(
       "A take that is not reconstructed yet is shown at live quality, as the daemon made it after the take.\n"
       "Keys: space pauses, arrows and mouse go round, + - zoom, . , step, g grey, q ends.\n"
+      "Of a character: 1 to 9 states and actions, arrows turn it and its speed, F1 tells all.\n"
       "Examples:\n  rotunda play demo\n  rotunda play --live");
   app->callback([&line, clip, options, live, is_live] {
     line.run = [&line, clip, options, live, is_live](std::stop_token stop) {
@@ -277,7 +341,7 @@ void add_play(CommandLine& line) {
       if (!*is_live) {
         if (const auto surfaces = only_live_surfaces(line, *clip))
           return show_live_take(*surfaces, *live, std::move(stop));
-        if (find_video(line, *clip); !live->picture.empty())
+        if (!live->picture.empty())
           throw InvalidInput(*clip + " is reconstructed; for a picture of it: rotunda render " + *clip +
                              " -o view.png");
         return play(line, *clip, *options, std::move(stop));
@@ -292,7 +356,8 @@ void add_show(CommandLine& line) {
   auto clip = std::make_shared<std::string>();
   auto picture = std::make_shared<fs::path>();
   auto frame = std::make_shared<std::size_t>(0);
-  auto* app = line.app.add_subcommand("show", "what a geometry video holds; a take, or its frames, as a picture");
+  auto* app = line.app.add_subcommand(
+      "show", "what a geometry video or a character holds; a take, or its frames, as a picture");
   app->add_option("clip", *clip, "a take, by name or path, or a geometry video's file")->required();
   app->add_option("--picture", *picture, "write a contact sheet of the take, or frames of the geometry video (PNG)");
   app->add_option("--frame", *frame, "of the contact sheet")->capture_default_str();
