@@ -24,12 +24,13 @@ constexpr std::array<std::string_view, kBodyMeasures> kMeasureNames = {
     "neck_width",     "head_breadth", "head_depth",    "upper_arm_width", "elbow_width",   "wrist_width",
     "hand_width",     "thigh_width",  "knee_width",    "calf_width",      "ankle_width",   "foot_width"};
 
-// Fractions of the height. Lengths: Drillis and Contini (1966), in Winter, Biomechanics and Motor Control of Human
-// Movement, figure 4.1; between the joint centres of shoulders and hips: Bell, Pedersen, Brand (1990) and ANSUR II's
-// biacromial breadth less the deltoids. Widths: ANSUR II, mean of both sexes; circumferences over pi.
-constexpr BodyMeasures kFractions = {0.288, 0.055, 0.127, 0.210, 0.100, 0.186, 0.146, 0.108, 0.245, 0.246,
-                                     0.114, 0.039, 0.206, 0.142, 0.186, 0.135, 0.168, 0.148, 0.068, 0.089,
-                                     0.114, 0.060, 0.054, 0.031, 0.050, 0.117, 0.074, 0.072, 0.042, 0.058};
+// Fractions of the height in shoes, whose soles are 2 cm. Lengths: Drillis and Contini (1966), in Winter, Biomechanics
+// and Motor Control of Human Movement, figure 4.1; what it leaves open (between the joints of the shoulders, of the
+// hips; neck, head) as skinned body models have it (Loper et al. 2015). Widths: ANSUR II, mean of both sexes;
+// circumferences over pi.
+constexpr BodyMeasures kFractions = {0.285, 0.047, 0.1211, 0.204, 0.100, 0.186, 0.146, 0.108, 0.242, 0.2435,
+                                     0.114, 0.050, 0.206,  0.142, 0.186, 0.135, 0.168, 0.148, 0.068, 0.089,
+                                     0.114, 0.060, 0.054,  0.031, 0.050, 0.117, 0.074, 0.072, 0.042, 0.058};
 
 constexpr std::array<BodyJoint, kBodySegments> kSegmentJoints = {
     BodyJoint::pelvis,         BodyJoint::spine,        BodyJoint::chest,       BodyJoint::neck,
@@ -37,8 +38,10 @@ constexpr std::array<BodyJoint, kBodySegments> kSegmentJoints = {
     BodyJoint::forearm_right,  BodyJoint::hand_right,   BodyJoint::thigh_left,  BodyJoint::shank_left,
     BodyJoint::foot_left,      BodyJoint::thigh_right,  BodyJoint::shank_right, BodyJoint::foot_right};
 
-// Where the trunk's joints are, as shares of its length from the hips.
-constexpr double kSpine = 0.22, kChest = 0.55;
+// Where the trunk's joints are above the hips, as shares of its length: the spine's at the iliac crest (L4/L5), the
+// chest's at T12/L1, the neck's a little above the shoulders; the pelvis' own above the line of the hips (Loper et
+// al.).
+constexpr double kPelvis = 0.05, kSpine = 0.28, kChest = 0.62, kNeck = 1.04;
 
 struct Ring {
   Vector3d centre;
@@ -125,15 +128,15 @@ Skeleton Maker::skeleton() const {
   const double t = of(trunk), collar = 0.07 * of(shoulders);
   const auto put = [&](BodyJoint joint, double x, double y, double z) { s.offset[index(joint)] = {x, y, z}; };
   put(BodyJoint::pelvis, 0, 0, 0);
-  put(BodyJoint::spine, 0, 0, kSpine * t);
+  put(BodyJoint::spine, 0, 0, (kSpine - kPelvis) * t);
   put(BodyJoint::chest, 0, 0, (kChest - kSpine) * t);
-  put(BodyJoint::neck, 0, 0, (1.0 - kChest) * t);
+  put(BodyJoint::neck, 0, 0, (kNeck - kChest) * t);
   put(BodyJoint::head, 0.1 * of(head_depth), 0, of(neck));
   put(BodyJoint::clavicle_left, 0, collar, (1.0 - kChest) * t);
   put(BodyJoint::upper_arm_left, 0, 0.5 * of(shoulders) - collar, 0);
   put(BodyJoint::forearm_left, 0, of(upper_arm), 0);
   put(BodyJoint::hand_left, 0, of(BodyMeasure::forearm), 0);
-  put(BodyJoint::thigh_left, 0, 0.5 * of(hips), 0);
+  put(BodyJoint::thigh_left, 0, 0.5 * of(hips), -kPelvis * t);
   put(BodyJoint::shank_left, 0, 0, -of(BodyMeasure::thigh));
   put(BodyJoint::foot_left, 0, 0, -of(BodyMeasure::shank));
   for (std::size_t j = 0; j < kBodyJoints; ++j)
@@ -148,23 +151,23 @@ Skeleton Maker::skeleton() const {
 BodySegmentSurface Maker::pelvis() const {
   using enum BodyMeasure;
   const double t = of(trunk);
-  return surface_of(
-      {.first = {{0, 0, -0.10 * t}, half(pelvis_depth, pelvis_breadth, 0.92)},
-       .middle = {{0, 0, 0.02 * t}, half(pelvis_depth, pelvis_breadth)},
-       .last = {{0, 0, 0.20 * t}, 0.5 * (half(pelvis_depth, pelvis_breadth) + half(waist_depth, waist_breadth))},
-       .u = Vector3d::UnitX(),
-       .v = Vector3d::UnitY(),
-       .first_cap = 0.12 * t,
-       .last_cap = 0.08 * t});
+  return surface_of({.first = {{0, 0, (-0.10 - kPelvis) * t}, half(pelvis_depth, pelvis_breadth, 0.92)},
+                     .middle = {{0, 0, (0.02 - kPelvis) * t}, half(pelvis_depth, pelvis_breadth)},
+                     .last = {{0, 0, (0.20 - kPelvis) * t},
+                              0.5 * (half(pelvis_depth, pelvis_breadth) + half(waist_depth, waist_breadth))},
+                     .u = Vector3d::UnitX(),
+                     .v = Vector3d::UnitY(),
+                     .first_cap = 0.12 * t,
+                     .last_cap = 0.08 * t});
 }
 
 BodySegmentSurface Maker::abdomen() const {
   using enum BodyMeasure;
   const double t = of(trunk);
   const auto waist = half(waist_depth, waist_breadth);
-  return surface_of({.first = {{0, 0, -0.04 * t}, 0.5 * (half(pelvis_depth, pelvis_breadth) + waist)},
-                     .middle = {{0, 0, 0.14 * t}, waist},
-                     .last = {{0, 0, 0.34 * t}, 0.5 * (waist + half(chest_depth, chest_breadth))},
+  return surface_of({.first = {{0, 0, (0.18 - kSpine) * t}, 0.5 * (half(pelvis_depth, pelvis_breadth) + waist)},
+                     .middle = {{0, 0, (0.36 - kSpine) * t}, waist},
+                     .last = {{0, 0, (0.56 - kSpine) * t}, 0.5 * (waist + half(chest_depth, chest_breadth))},
                      .u = Vector3d::UnitX(),
                      .v = Vector3d::UnitY(),
                      .first_cap = 0.08 * t,
@@ -175,9 +178,10 @@ BodySegmentSurface Maker::chest() const {
   using enum BodyMeasure;
   const double t = of(trunk);
   return surface_of(
-      {.first = {{0, 0, -0.03 * t}, 0.5 * (half(waist_depth, waist_breadth) + half(chest_depth, chest_breadth))},
-       .middle = {{0, 0, 0.20 * t}, half(chest_depth, chest_breadth)},
-       .last = {{0, 0, 0.40 * t}, half(chest_depth, chest_breadth).cwiseProduct(Vector2d(0.75, 1.0))},
+      {.first = {{0, 0, (0.52 - kChest) * t},
+                 0.5 * (half(waist_depth, waist_breadth) + half(chest_depth, chest_breadth))},
+       .middle = {{0, 0, (0.75 - kChest) * t}, half(chest_depth, chest_breadth)},
+       .last = {{0, 0, (0.95 - kChest) * t}, half(chest_depth, chest_breadth).cwiseProduct(Vector2d(0.75, 1.0))},
        .u = Vector3d::UnitX(),
        .v = Vector3d::UnitY(),
        .first_cap = 0.08 * t,
@@ -190,9 +194,9 @@ BodySegmentSurface Maker::head() const {
   const double base = of(neck), length = of(BodyMeasure::head), x = 0.1 * of(head_depth);
   const auto radii = half(head_depth, head_breadth), collar = round(neck_width);
   const auto at = [&](double share, double size) { return Ring{{x, 0, base + share * length}, size * radii}; };
-  return tube({Ring{{0, 0, -0.3 * base}, 1.15 * collar}, Ring{{0.5 * x, 0, 0.6 * base}, collar}, at(0.05, 0.78),
+  return tube({Ring{{0, 0, -0.5 * base}, 1.15 * collar}, Ring{{0.5 * x, 0, 0.4 * base}, collar}, at(-0.10, 0.78),
                at(0.30, 0.96), at(0.55, 1.0), at(0.80, 0.84), at(0.94, 0.50)},
-              Vector3d::UnitX(), Vector3d::UnitY(), {0, 0, -0.8 * base}, {x, 0, base + length});
+              Vector3d::UnitX(), Vector3d::UnitY(), {0, 0, -1.0 * base}, {x, 0, base + length});
 }
 
 BodySegmentSurface Maker::upper_arm() const {
@@ -312,7 +316,14 @@ BodyMeasures measures_of_height(double height) {
 double height_of(const BodyMeasures& measures) {
   using enum BodyMeasure;
   double height = 0.0;
-  for (const auto measure : {foot_height, shank, thigh, trunk, neck, head}) height += measures[index(measure)];
+  for (const auto measure : {foot_height, shank, thigh, neck, head}) height += measures[index(measure)];
+  return height + kNeck * measures[index(trunk)];
+}
+
+double root_height_of(const BodyMeasures& measures) {
+  using enum BodyMeasure;
+  double height = kPelvis * measures[index(trunk)];
+  for (const auto measure : {foot_height, shank, thigh}) height += measures[index(measure)];
   return height;
 }
 

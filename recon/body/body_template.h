@@ -17,7 +17,7 @@ namespace rotunda::recon {
 enum class BodyMeasure : std::uint8_t {
   // lengths between joints
   trunk,      // hip joints to the line of the shoulder joints
-  neck,       // base of the neck to the joint of the head
+  neck,       // joint of the neck (C7/T1) to that of the head (the skull's base)
   head,       // joint of the head to the crown
   shoulders,  // between the shoulder joints
   hips,       // between the hip joints
@@ -59,7 +59,8 @@ constexpr std::size_t index(BodyMeasure measure) {
 // An adult of a height (metres): lengths after Drillis and Contini (1966) as Winter prints them, widths from the means
 // of both sexes in ANSUR II (Gordon et al. 2014).
 BodyMeasures measures_of_height(double height);
-double height_of(const BodyMeasures& measures);  // standing straight, sole to crown
+double height_of(const BodyMeasures& measures);       // standing straight, sole to crown
+double root_height_of(const BodyMeasures& measures);  // then of the pelvis joint above the soles
 
 inline constexpr std::size_t kBodySegments = 16;
 // The joint that carries a segment: pelvis, spine (abdomen), chest, neck (neck and head), arms and legs.

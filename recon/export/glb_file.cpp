@@ -65,6 +65,11 @@ std::size_t GlbFile::add_values(const std::vector<Eigen::Vector3f>& values) {
   return add_accessor(view, kFloat, "VEC3", values.size());
 }
 
+std::size_t GlbFile::add_rotations(const std::vector<Eigen::Vector4f>& rotations) {
+  const auto view = add_view(rotations.data(), rotations.size() * sizeof(rotations[0]), kNone);
+  return add_accessor(view, kFloat, "VEC4", rotations.size());
+}
+
 std::size_t GlbFile::add_texture_coordinates(const std::vector<Eigen::Vector2f>& coordinates) {
   const auto view = add_view(coordinates.data(), coordinates.size() * sizeof(coordinates[0]), kVertices);
   return add_accessor(view, kFloat, "VEC2", coordinates.size());

@@ -17,7 +17,8 @@ class GlbFile {
   // Each returns the new object's index.
   std::size_t add_positions(const std::vector<Eigen::Vector3f>& positions);  // with min and max
   std::size_t add_normals(const std::vector<Eigen::Vector3f>& normals);
-  std::size_t add_values(const std::vector<Eigen::Vector3f>& values);  // of an animation
+  std::size_t add_values(const std::vector<Eigen::Vector3f>& values);        // of an animation
+  std::size_t add_rotations(const std::vector<Eigen::Vector4f>& rotations);  // of an animation, x y z w
   std::size_t add_texture_coordinates(const std::vector<Eigen::Vector2f>& coordinates);
   std::size_t add_indices(const std::vector<std::uint32_t>& indices);
   std::size_t add_scalars(const std::vector<float>& scalars);  // with min and max

@@ -106,6 +106,7 @@ int run_rotunda(int argc, const char* const* argv) {
   add_screen_command(line);
   add_recon_commands(line);
   add_character_commands(line);
+  add_mocap_command(line);
   add_render_commands(line);
   add_export_command(line);
   try {

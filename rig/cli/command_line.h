@@ -32,6 +32,7 @@ void add_board_command(CommandLine& line);                          // board
 void add_calibrate_command(CommandLine& line);                      // calibrate
 void add_screen_command(CommandLine& line);                         // screen
 void add_recon_commands(CommandLine& line);                         // recon, map
+void add_mocap_command(CommandLine& line);                          // mocap
 void add_render_commands(CommandLine& line);                        // render, play, show
 void add_character_commands(CommandLine& line);                     // character ...
 void add_export_command(CommandLine& line);                         // export

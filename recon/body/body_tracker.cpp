@@ -1,0 +1,163 @@
+#include "recon/body/body_tracker.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace rotunda::recon {
+namespace {
+
+using Eigen::AngleAxisd;
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+constexpr std::size_t kMemory = 50;   // frames a typical residual is taken over
+constexpr std::size_t kPoses = 12;    // poses remembered for starting anew
+constexpr double kJump = 1.35;        // of the typical residual: something may be wrong
+constexpr double kJumpBy = 0.004;     // metres, at least
+constexpr double kLostShare = 0.55;   // of contour points with a partner: less is no fit
+constexpr std::size_t kSideTest = 8;  // frames between tests whether the legs are swapped
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+Pose turned(const Pose& pose, double degrees) {
+  Pose result = pose;
+  const Quaterniond turn(AngleAxisd(degrees * std::numbers::pi / 180.0, Vector3d::UnitZ()));
+  result.rotation[0] = turn * pose.rotation[0];
+  return result;
+}
+
+Pose legs_swapped(const Pose& pose) {
+  const auto mirror = mirrored(pose);
+  Pose result = pose;
+  for (std::size_t j = index(BodyJoint::thigh_left); j < kBodyJoints; ++j) result.rotation[j] = mirror.rotation[j];
+  return result;
+}
+
+// How unlike two poses are: the mean turn between their joints, the pelvis left out.
+double unlikeness(const Pose& a, const Pose& b) {
+  double sum = 0.0;
+  for (std::size_t j = 1; j < kBodyJoints; ++j) sum += a.rotation[j].angularDistance(b.rotation[j]);
+  return sum / static_cast<double>(kBodyJoints - 1);
+}
+
+Pose extrapolated(const Pose& before, const Pose& last, double share) {
+  Pose pose = last;
+  pose.root += share * (last.root - before.root);
+  for (std::size_t j = 0; j < kBodyJoints; ++j) {
+    const AngleAxisd step(before.rotation[j].conjugate() * last.rotation[j]);
+    const double angle = std::remainder(step.angle(), 2.0 * std::numbers::pi);
+    pose.rotation[j] = (last.rotation[j] * Quaterniond(AngleAxisd(share * angle, step.axis()))).normalized();
+  }
+  return pose;
+}
+
+}  // namespace
+
+BodyTracker::BodyTracker(BodyTemplate body, const PoseFit& start, const TrackerOptions& options)
+    : body_(std::move(body)), options_(options), last_(start.pose), residuals_{start.residual}, seen_{start.pose} {}
+
+PoseFit BodyTracker::fit(const FrameOutlines& frame, const Pose& start, double first_scale, bool expect) const {
+  PoseFitOptions options{.iterations = 6, .first_scale = first_scale, .only_overlap = options_.only_overlap};
+  if (first_scale > 0.15) options.iterations = 12;
+  if (expect) options.expected = start;
+  return fit_pose(body_, frame, start, options);
+}
+
+Pose BodyTracker::predicted() const {
+  constexpr double kBelief = 0.8;  // of a velocity: motions slow down sooner than they speed up
+  return before_last_ && lost_ == 0 ? extrapolated(*before_last_, last_, kBelief) : last_;
+}
+
+bool BodyTracker::is_doubtful(const PoseFit& fit) const {
+  const double typical = median(residuals_);
+  return fit.residual > std::max(kJump * typical, typical + kJumpBy) || fit.explained < kLostShare;
+}
+
+void BodyTracker::try_others(const FrameOutlines& frame, PoseFit& best) const {
+  std::vector<Pose> starts = {last_, legs_swapped(best.pose), turned(mirrored(last_), 180.0), turned(last_, 45.0),
+                              turned(last_, -45.0)};
+  const auto extent = body_extent(frame);
+  for (auto pose : seen_) {
+    const double yaw =
+                     std::atan2(last_.rotation[0].toRotationMatrix()(1, 0), last_.rotation[0].toRotationMatrix()(0, 0)),
+                 own = std::atan2(pose.rotation[0].toRotationMatrix()(1, 0), pose.rotation[0].toRotationMatrix()(0, 0));
+    pose = turned(pose, (yaw - own) * 180.0 / std::numbers::pi);
+    pose.root = last_.root;
+    starts.push_back(pose);
+  }
+  if (extent && extent->is_upright())
+    for (const auto& pose : standing_poses(body_, *extent)) starts.push_back(pose);
+  if (extent && lost_ > 0)
+    for (auto& start : starts) start.root.head<2>() += extent->centre.head<2>() - last_.root.head<2>();
+  std::vector<PoseFit> coarse;
+  for (const auto& start : starts)
+    coarse.push_back(
+        fit_pose(body_, frame, start, {.iterations = 6, .first_scale = 0.30, .last_scale = 0.08, .spacing_px = 12.0}));
+  std::sort(coarse.begin(), coarse.end(), [](const PoseFit& a, const PoseFit& b) { return a.residual < b.residual; });
+  coarse.resize(std::min<std::size_t>(3, coarse.size()));
+  for (const auto& start : coarse) {
+    auto other = fit(frame, start.pose, 0.15, false);
+    if (other.residual < 0.93 * best.residual) best = std::move(other);
+  }
+}
+
+void BodyTracker::try_swapped_legs(const FrameOutlines& frame, PoseFit& best) const {
+  auto other = fit(frame, legs_swapped(best.pose), 0.10, false);
+  if (other.residual < 0.93 * best.residual) best = std::move(other);
+}
+
+void BodyTracker::remember(const PoseFit& fit) {
+  residuals_.push_back(fit.residual);
+  if (residuals_.size() > kMemory) residuals_.erase(residuals_.begin());
+  constexpr double kUnlike = 0.25;  // radians a joint
+  if (fit.residual > 1.2 * median(residuals_)) return;
+  if (std::any_of(seen_.begin(), seen_.end(), [&](const Pose& pose) { return unlikeness(pose, fit.pose) < kUnlike; }))
+    return;
+  if (seen_.size() == kPoses) seen_.erase(seen_.begin());
+  seen_.push_back(fit.pose);
+}
+
+TrackedPose BodyTracker::track(const FrameOutlines& frame) {
+  TrackedPose tracked;
+  const auto seeing =
+      std::count_if(frame.begin(), frame.end(), [](const auto& view) { return !view.outline.is_empty(); });
+  const auto lose = [&](std::string why) {
+    ++lost_;
+    before_last_.reset();
+    tracked.fit.pose = last_;
+    tracked.fit.confidence.fill(0.0);
+    tracked.state = TrackState::lost;
+    tracked.loss = std::move(why);
+    return tracked;
+  };
+  if (seeing < 2) return lose(fmt::format("{} of {} silhouettes show anybody", seeing, frame.size()));
+  const Pose start = options_.only_overlap ? last_ : predicted();
+  tracked.fit = fit(frame, start, 0.15, true);
+  if (!options_.only_overlap) {
+    const bool doubtful = is_doubtful(tracked.fit);
+    const double before = tracked.fit.residual;
+    if (doubtful || lost_ > 0)
+      try_others(frame, tracked.fit);
+    else if (++frames_ % kSideTest == 0)
+      try_swapped_legs(frame, tracked.fit);
+    if (doubtful && tracked.fit.residual < before) tracked.state = TrackState::recovered;
+  }
+  if (tracked.fit.explained < kLostShare)
+    return lose(
+        fmt::format("only {:.0f} % of the silhouettes' outlines fit the template", 100.0 * tracked.fit.explained));
+  if (lost_ > 0) tracked.state = TrackState::recovered;
+  before_last_ = lost_ > 0 || tracked.state == TrackState::recovered ? std::nullopt : std::optional(last_);
+  lost_ = 0;
+  last_ = tracked.fit.pose;
+  remember(tracked.fit);
+  return tracked;
+}
+
+}  // namespace rotunda::recon

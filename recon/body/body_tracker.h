@@ -1,0 +1,47 @@
+#pragma once
+// Follows a person from frame to frame: predicts, fits, and where the silhouettes disagree tries several other poses
+// (the last one, sides swapped, turned round, poses seen before, standing) and keeps the best. World, metres.
+#include <optional>
+#include <vector>
+
+#include "recon/body/body_start.h"
+#include "recon/body/pose_fit.h"
+
+namespace rotunda::recon {
+
+struct TrackerOptions {
+  bool only_overlap = false;  // the paper's: silhouette overlap alone, from the last pose, no second thoughts
+};
+
+enum class TrackState : std::uint8_t { tracked, recovered, lost };
+struct TrackedPose {
+  PoseFit fit;
+  TrackState state = TrackState::tracked;
+  // Of lost frames: why, e.g. "2 of 10 silhouettes show anybody"; the pose is the last good one, its confidence 0.
+  std::string loss;
+};
+
+class BodyTracker {
+ public:
+  // From a pose known to fit; `typical_residual` is what it left.
+  BodyTracker(BodyTemplate body, const PoseFit& start, const TrackerOptions& options);
+  TrackedPose track(const FrameOutlines& frame);  // the next frame, in either direction of time
+
+ private:
+  PoseFit fit(const FrameOutlines& frame, const Pose& start, double first_scale, bool expect) const;
+  bool is_doubtful(const PoseFit& fit) const;
+  void try_others(const FrameOutlines& frame, PoseFit& best) const;
+  void try_swapped_legs(const FrameOutlines& frame, PoseFit& best) const;
+  Pose predicted() const;
+  void remember(const PoseFit& fit);
+
+  BodyTemplate body_;
+  TrackerOptions options_;
+  Pose last_;
+  std::optional<Pose> before_last_;
+  std::vector<double> residuals_;  // of the last good frames
+  std::vector<Pose> seen_;         // unlike poses that fitted well
+  std::size_t frames_ = 0, lost_ = 0;
+};
+
+}  // namespace rotunda::recon

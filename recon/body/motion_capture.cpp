@@ -1,0 +1,249 @@
+#include "recon/body/motion_capture.h"
+
+#include <fmt/format.h>
+#include <tbb/info.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_pipeline.h>
+
+#include <algorithm>
+#include <chrono>
+#include <ctime>
+#include <memory>
+
+#include "config/errors.h"
+#include "recon/frame_reconstruction.h"
+#include "recon/take_plates.h"
+#include "recon/take_studio.h"
+
+namespace rotunda::recon {
+namespace {
+
+constexpr std::size_t kStartFrames = 24;  // looked at for somebody upright
+constexpr std::size_t kGoodStarts = 3;    // of those the best is taken
+constexpr std::size_t kWindow = 48;       // frames around the start that the template is solved over,
+constexpr std::size_t kWindowStep = 2;    // every second of them
+
+double process_cpu_s() {
+  timespec time{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + static_cast<double>(time.tv_nsec) * 1e-9;
+}
+
+class MotionCapture {
+ public:
+  MotionCapture(const MotionCaptureOptions& options, const std::function<void(std::size_t, std::size_t)>& tell,
+                std::stop_token stop);
+  MotionCaptureReport run();
+
+ private:
+  struct Start {
+    std::size_t frame = 0;
+    BodyStart found;
+  };
+
+  void choose_frames();
+  FrameOutlines outlines(std::size_t frame);
+  FrameViews keyed(std::size_t frame);
+  Start find_start();
+  [[noreturn]] void refuse_start(std::size_t looked, std::size_t silhouettes, std::size_t upright) const;
+  void solve_template(Start& start);
+  void follow(const Start& start, int direction);
+
+  const MotionCaptureOptions& options_;
+  const std::function<void(std::size_t, std::size_t)>& tell_;
+  std::stop_token stop_;
+  capture::TakeReader take_;
+  TakeStudio studio_;
+  std::size_t first_ = 0, end_ = 0, done_ = 0;
+  StageClock clock_;
+  MotionCaptureReport report_;
+};
+
+MotionCapture::MotionCapture(const MotionCaptureOptions& options,
+                             const std::function<void(std::size_t, std::size_t)>& tell, std::stop_token stop)
+    : options_(options),
+      tell_(tell),
+      stop_(std::move(stop)),
+      take_(options.take),
+      studio_(read_take_studio(take_, options.calibration)) {
+  if (studio_.views.cameras.size() < 2)
+    throw InvalidInput(
+        fmt::format("take {} has one camera; motion capture needs silhouettes from two or more", take_.info().name));
+  choose_frames();
+}
+
+void MotionCapture::choose_frames() {
+  const auto count = take_.frame_set_count();
+  std::tie(first_, end_) = options_.frames.value_or(std::pair<std::size_t, std::size_t>{0, count});
+  end_ = std::min(end_, count);
+  if (first_ >= end_)
+    throw InvalidInput(
+        fmt::format("take {} has the frames 0:{}; none of them are asked for", take_.info().name, count));
+}
+
+// Silhouettes alone do without colours: the live key reads the camera's own pixels.
+FrameViews MotionCapture::keyed(std::size_t frame) {
+  const auto set = clock_.run("read", [&] { return take_.read(frame); });
+  const auto given = given_mattes(take_, frame);
+  const bool quick = std::all_of(studio_.views.live_keys.begin(), studio_.views.live_keys.end(),
+                                 [](const auto& key) { return key.has_value(); }) &&
+                     !studio_.views.live_keys.empty() &&
+                     std::all_of(given.begin(), given.end(), [](const auto& matte) { return matte.alpha.empty(); });
+  if (!quick) return key_frame(set, studio_.views, given, clock_);
+  FrameViews views;
+  for (std::size_t i = 0; i < set.slots.size(); ++i) {
+    if (!set.slots[i].frame) continue;
+    views.cameras.push_back(studio_.views.cameras[i]);
+    views.mattes.push_back(clock_.run("key", [&] { return (*studio_.views.live_keys[i])(set.slots[i].frame->image); }));
+  }
+  return views;
+}
+
+FrameOutlines MotionCapture::outlines(std::size_t frame) {
+  const auto views = keyed(frame);
+  return clock_.run("outline", [&] {
+    FrameOutlines result;
+    for (std::size_t i = 0; i < views.cameras.size(); ++i)
+      result.push_back({views.cameras[i], silhouette_outline(views.mattes[i])});
+    return result;
+  });
+}
+
+MotionCapture::Start MotionCapture::find_start() {
+  const auto count = std::min(kStartFrames, end_ - first_);
+  std::optional<Start> best;
+  std::size_t good = 0, silhouettes = 0, upright = 0;
+  for (std::size_t i = 0; i < count && good < kGoodStarts && !stop_.stop_requested(); ++i) {
+    // From the middle outwards, so that both ways from the start are short.
+    const std::size_t place = count / 2 + (i % 2 == 0 ? i / 2 : count - (i + 1) / 2);
+    const std::size_t frame = first_ + (place % count) * (end_ - first_) / count;
+    const auto seen = outlines(frame);
+    const auto extent = body_extent(seen);
+    if (!extent) continue;
+    ++silhouettes;
+    if (!extent->is_upright()) continue;
+    ++upright;
+    auto found = clock_.run("start", [&] { return start_body(seen, std::nullopt); });
+    constexpr double kFits = 0.70;  // of the outlines
+    if (!found || found->fit.explained < kFits) continue;
+    ++good;
+    if (!best || found->fit.residual < best->found.fit.residual) best = Start{frame, std::move(*found)};
+  }
+  if (!best && !stop_.stop_requested()) refuse_start(count, silhouettes, upright);
+  return best ? *best : Start{};
+}
+
+void MotionCapture::refuse_start(std::size_t looked, std::size_t silhouettes, std::size_t upright) const {
+  const auto& name = take_.info().name;
+  if (silhouettes == 0)
+    throw InvalidInput(
+        fmt::format("take {}: in none of {} frames do two silhouettes agree on a person; look at the mattes with "
+                    "`rotunda recon {} --frames 0:1 --mattes DIR`, and check the calibration",
+                    name, looked, name));
+  if (upright == 0)
+    throw InvalidInput(
+        fmt::format("take {}: nobody stands upright, 0.8 to 2.4 m tall, in any of {} frames; choose a range with "
+                    "--frames in which the person stands or walks, or check that the calibration is in metres, z up",
+                    name, looked));
+  throw InvalidInput(fmt::format(
+      "take {}: what stands upright in {} of {} frames is like no person of two arms and two legs; choose other frames "
+      "with --frames, or look at the mattes with `rotunda recon {} --frames 0:1 --mattes DIR`",
+      name, upright, looked, name));
+}
+
+// Followed for a while with what one frame told, then lengths and widths anew from all of it.
+void MotionCapture::solve_template(Start& start) {
+  std::size_t last = std::min(end_, start.frame + kWindow);
+  const std::size_t first = last - first_ > kWindow ? last - kWindow : first_;
+  last = std::min(end_, first + kWindow);
+  std::vector<FrameOutlines> frames;
+  std::vector<Pose> poses;
+  std::vector<double> residuals;
+  const auto walk = [&](int direction) {
+    BodyTracker tracker(start.found.body, start.found.fit, {});
+    for (auto frame = static_cast<std::ptrdiff_t>(start.frame) + (direction < 0 ? -1 : 0);
+         frame >= static_cast<std::ptrdiff_t>(first) && frame < static_cast<std::ptrdiff_t>(last) &&
+         !stop_.stop_requested();
+         frame += direction) {
+      auto seen = outlines(static_cast<std::size_t>(frame));
+      const auto tracked = clock_.run("track", [&] { return tracker.track(seen); });
+      if (tracked.state == TrackState::lost || static_cast<std::size_t>(frame) % kWindowStep != 0) continue;
+      frames.push_back(std::move(seen));
+      poses.push_back(tracked.fit.pose);
+    }
+  };
+  walk(1);
+  walk(-1);
+  if (frames.empty() || stop_.stop_requested()) return;
+  auto solved = clock_.run("template", [&] { return fit_template(start.found.body, frames, poses, 8); });
+  const auto seen = outlines(start.frame);
+  const auto nearest = fit_pose(solved.body, seen, start.found.fit.pose, {.iterations = 12});
+  start.found = {std::move(solved.body), nearest};
+}
+
+// Silhouettes are made ahead on all threads; following goes in the frames' order.
+void MotionCapture::follow(const Start& start, int direction) {
+  struct Work {
+    std::size_t frame;
+    FrameOutlines outlines;
+  };
+  BodyTracker tracker(start.found.body, start.found.fit, {.only_overlap = options_.only_overlap});
+  std::size_t next = direction > 0 ? start.frame : start.frame - 1;
+  std::size_t left = direction > 0 ? end_ - start.frame : start.frame - first_;
+  const auto source = [&](tbb::flow_control& control) -> std::size_t {
+    if (left == 0 || stop_.stop_requested()) {
+      control.stop();
+      return 0;
+    }
+    --left;
+    const auto frame = next;
+    next += static_cast<std::size_t>(direction);
+    return frame;
+  };
+  tbb::parallel_pipeline(static_cast<std::size_t>(tbb::info::default_concurrency()) + 1,
+                         tbb::make_filter<void, std::size_t>(tbb::filter_mode::serial_in_order, source) &
+                             tbb::make_filter<std::size_t, std::shared_ptr<Work>>(
+                                 tbb::filter_mode::parallel,
+                                 [&](std::size_t frame) {
+                                   return std::make_shared<Work>(Work{frame, outlines(frame)});
+                                 }) &
+                             tbb::make_filter<std::shared_ptr<Work>, void>(
+                                 tbb::filter_mode::serial_in_order, [&](const std::shared_ptr<Work>& work) {
+                                   report_.motion.frames[work->frame - first_] =
+                                       clock_.run("track", [&] { return tracker.track(work->outlines); });
+                                   if (tell_) tell_(++done_, end_ - first_);
+                                 }));
+}
+
+MotionCaptureReport MotionCapture::run() {
+  const auto begun = std::chrono::steady_clock::now();
+  const double cpu_begun = process_cpu_s();
+  clock_.run("plates", [&] {
+    learn_missing_plates(take_, studio_.views);
+    make_live_keys(take_, studio_.views);
+  });
+  auto start = find_start();
+  if (!stop_.stop_requested()) solve_template(start);
+  report_.motion.body = start.found.body;
+  report_.motion.fps = take_.info().fps;
+  report_.motion.first_frame = first_;
+  report_.motion.frames.resize(end_ - first_);
+  report_.start_frame = start.frame;
+  if (!stop_.stop_requested()) follow(start, 1);
+  if (!stop_.stop_requested()) follow(start, -1);
+  report_.interrupted = stop_.stop_requested();
+  report_.stages = clock_.costs();
+  report_.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+  report_.cpu_s = process_cpu_s() - cpu_begun;
+  return report_;
+}
+
+}  // namespace
+
+MotionCaptureReport capture_motion(const MotionCaptureOptions& options,
+                                   const std::function<void(std::size_t, std::size_t)>& progress,
+                                   std::stop_token stop) {
+  return MotionCapture(options, progress, std::move(stop)).run();
+}
+
+}  // namespace rotunda::recon
