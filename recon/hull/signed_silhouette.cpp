@@ -12,6 +12,7 @@ namespace rotunda::recon {
 namespace {
 
 constexpr float kHalf = 127.5F;
+constexpr int kAround = 32;  // pixels about the performer with distances that are nearly exact
 
 struct Segment {
   cv::Point2f a, b;
@@ -95,21 +96,43 @@ void splat(const Segment& segment, cv::Mat& nearest) {
   }
 }
 
-}  // namespace
-
-cv::Mat signed_silhouette(const capture::Matte& matte) {
-  if (matte.alpha.empty() || matte.alpha.type() != CV_8UC1)
-    throw InvalidInput("a matte must be an 8-bit grey picture with at least one pixel");
-  cv::Mat distance = coarse_distance(matte.alpha);
+cv::Mat exact_near_outline(const cv::Mat& alpha) {
+  cv::Mat distance = coarse_distance(alpha);
   constexpr float kFar = 1e9F;
   cv::Mat nearest(distance.size(), CV_32F, cv::Scalar(kFar));
-  for (const auto& segment : contour(matte.alpha)) splat(segment, nearest);
+  for (const auto& segment : contour(alpha)) splat(segment, nearest);
   for (int y = 0; y < distance.rows; ++y) {
     auto* row = distance.ptr<float>(y);
     const auto* exact = nearest.ptr<float>(y);
     for (int x = 0; x < distance.cols; ++x)
       if (exact[x] < static_cast<float>(kExactBand)) row[x] = std::copysign(exact[x], row[x]);
   }
+  return distance;
+}
+
+// Of pixels outside of the box, negative; the larger of the ways along the axes.
+cv::Mat distance_from(const cv::Rect& box, const cv::Size& size) {
+  cv::Mat distance(size, CV_32F);
+  for (int y = 0; y < size.height; ++y) {
+    auto* row = distance.ptr<float>(y);
+    const int above_or_below = std::max({box.y - y, y - box.br().y + 1, 0});
+    for (int x = 0; x < size.width; ++x)
+      row[x] = 0.5F - static_cast<float>(std::max({box.x - x, x - box.br().x + 1, above_or_below}));
+  }
+  return distance;
+}
+
+}  // namespace
+
+cv::Mat signed_silhouette(const capture::Matte& matte) {
+  if (matte.alpha.empty() || matte.alpha.type() != CV_8UC1)
+    throw InvalidInput("a matte must be an 8-bit grey picture with at least one pixel");
+  const cv::Rect picture(0, 0, matte.alpha.cols, matte.alpha.rows), body = cv::boundingRect(matte.alpha > 127);
+  if (body.empty()) return exact_near_outline(matte.alpha);
+  const cv::Rect about =
+      cv::Rect(body.x - kAround, body.y - kAround, body.width + 2 * kAround, body.height + 2 * kAround) & picture;
+  cv::Mat distance = distance_from(body, picture.size());
+  exact_near_outline(matte.alpha(about)).copyTo(distance(about));
   return distance;
 }
 

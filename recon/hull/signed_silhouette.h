@@ -1,8 +1,9 @@
 #pragma once
 // The silhouette as a signed distance in the image, in pixels, positive inside. Near the outline it is the exact
 // distance to the matte's 127.5 contour (marching squares, linear between pixels), so it is sub-pixel and unbiased;
-// farther than `kExactBand` it is the distance to the nearest pixel centre of the other side, less half a pixel.
-// The picture's border is no outline: a body cut by the frame stays positive up to it.
+// farther than `kExactBand` it is the distance to the nearest pixel centre of the other side, less half a pixel, and
+// more than 32 pixels outside of the box around all that is inside it is no more than that. The picture's border is no
+// outline: a body cut by the frame stays positive up to it.
 #include <opencv2/core.hpp>
 
 #include "capture/matte/matte.h"
