@@ -31,6 +31,7 @@ void keep_supported(FrameViews& views, const std::vector<bool>& given, const Stu
       supported_mattes(views.cameras, views.mattes, {.bounds = studio.volume, .unit = studio.unit, .keep = given});
   views.mattes = std::move(supported.mattes);
   views.silhouettes = std::move(supported.views);
+  for (const auto i : supported.disagreeing) views.disagreeing.push_back(views.cameras[i].name);
 }
 
 // Colours spread along edges from seen vertices to unseen ones, ring by ring.
@@ -96,15 +97,17 @@ FrameViews key_frame(const capture::FrameSet& frame_set, const StudioViews& stud
 }
 
 MappedFrame map_frame(const FrameViews& views, const SurfaceOptions& options, StageClock& clock) {
-  if (views.cameras.size() < 2) return {std::nullopt, "fewer than two cameras have a picture of this frame"};
+  if (views.cameras.size() < 2) return {std::nullopt, "fewer than two cameras have a picture of this frame", {}};
   auto surface = clock.run("surface", [&] {
-    return views.silhouettes.empty() ? reconstruct_surface(views.cameras, views.mattes, options)
-                                     : reconstruct_surface(views.silhouettes, options);
+    return views.silhouettes.empty()
+               ? reconstruct_surface(silhouette_views(views.cameras, views.mattes), views.pictures, options)
+               : reconstruct_surface(views.silhouettes, views.pictures, options);
   });
-  if (!surface.failure.empty()) return {std::nullopt, surface.failure};
+  surface.report.disagreeing = views.disagreeing;
+  if (!surface.failure.empty()) return {std::nullopt, surface.failure, std::move(surface.report)};
   auto sphere = clock.run("sphere", [&] { return map_to_sphere(surface.mesh); });
-  if (!sphere.map) return {std::nullopt, sphere.report.failure};
-  return {MappedSurface{std::move(surface.mesh), std::move(*sphere.map)}, ""};
+  if (!sphere.map) return {std::nullopt, sphere.report.failure, std::move(surface.report)};
+  return {MappedSurface{std::move(surface.mesh), std::move(*sphere.map)}, "", std::move(surface.report)};
 }
 
 void colour_vertices(TriangleMesh& mesh, const FrameViews& views, StageClock& clock) {

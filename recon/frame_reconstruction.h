@@ -42,6 +42,7 @@ struct FrameViews {
   std::vector<Eigen::Matrix3d> colour;  // as StudioViews has it; empty: all are the same
   capture::Backdrop backdrop = capture::Backdrop::blue;
   std::vector<SilhouetteView> silhouettes;  // of the mattes; empty: not made yet
+  std::vector<std::string> disagreeing;     // cameras whose mattes the others do not support
 };
 
 // `given_mattes` has a slot per camera as well (an empty alpha: key it); an empty span: key all. What is keyed in a
@@ -55,6 +56,7 @@ std::vector<ColourView> colour_views(const FrameViews& views);
 struct MappedFrame {
   std::optional<MappedSurface> surface;
   std::string failure;  // why there is none, e.g. "cam03: empty silhouette"
+  SurfaceReport report;
 };
 MappedFrame map_frame(const FrameViews& views, const SurfaceOptions& options, StageClock& clock);
 

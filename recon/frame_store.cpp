@@ -93,6 +93,10 @@ void FrameStore::save(std::size_t frame, const MappedSurface& surface, const Geo
   fs::rename(unfinished, path(frame, ".colour.png"));
 }
 
+void FrameStore::save_report(std::size_t frame, const std::string& json) const {
+  write_text(path(frame, ".json"), json + "\n");
+}
+
 void FrameStore::save_failure(std::size_t frame, const std::string& reason) const {
   write_text(path(frame, ".failed"), reason);
 }

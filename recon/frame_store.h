@@ -4,7 +4,8 @@
 //   recon/frames/frame000012.sphere.tiff   its sphere map: a row of three doubles a vertex
 //   recon/frames/frame000012.tiff         the geometry image's positions, float
 //   recon/frames/frame000012.colour.png   its colours, with coverage as alpha
-//   recon/frames/frame000012.failed       instead of all these: why the frame failed
+//   recon/frames/frame000012.json         what was found out on the way (frame_report.h)
+//   recon/frames/frame000012.failed       instead of surface and image: why the frame failed
 // A frame counts as finished once its last file is there; settings.json beside them says what they were made with.
 #include <filesystem>
 #include <optional>
@@ -32,6 +33,8 @@ class FrameStore {
 
   void save(std::size_t frame, const MappedSurface& surface, const GeometryImage& image) const;
   void save_failure(std::size_t frame, const std::string& reason) const;
+
+  void save_report(std::size_t frame, const std::string& json) const;  // before the frame itself: its last file ends it
 
   // Throw CorruptData if a file is damaged.
   MappedSurface surface(std::size_t frame) const;

@@ -16,6 +16,7 @@
 #include "capture/take/take_reader.h"
 #include "config/errors.h"
 #include "recon/frame_reconstruction.h"
+#include "recon/frame_report.h"
 #include "recon/mesh/mesh_file.h"
 #include "recon/take_cameras.h"
 #include "recon/take_plates.h"
@@ -89,6 +90,8 @@ TakeReconstruction::TakeReconstruction(const TakeReconstructionOptions& options,
   surface_options_.unit = studio_.unit;
   surface_options_.cell_size = options_.cell_size;
   surface_options_.triangles = options_.triangles;
+  surface_options_.paper = options_.paper;
+  surface_options_.tolerate_misses = options_.tolerate_misses;
   if (options_.quality == Quality::live) surface_options_ = live_surface(surface_options_);
   choose_frames();
   store_.emplace(take_.folder() / "recon" / "frames", settings_json());
@@ -115,6 +118,8 @@ std::string TakeReconstruction::settings_json() const {
   }
   nlohmann::json settings{{"version", 5},
                           {"quality", options_.quality == Quality::live ? "live" : "full"},
+                          {"paper", options_.paper},
+                          {"tolerate_misses", options_.tolerate_misses},
                           {"cell_size", options_.cell_size},
                           {"triangles", options_.triangles},
                           {"level", options_.level},
@@ -219,8 +224,10 @@ void TakeReconstruction::finish(Work& work) {
       colour_vertices(work.mapped.surface->mesh, work.views, clock_);
       export_mesh(work.frame, work.mapped.surface->mesh);
     }
+    store_->save_report(work.frame, frame_report(work.frame, "", work.mapped.report, unseen_share(image)));
     clock_.run("store", [&] { store_->save(work.frame, *work.mapped.surface, image); });
   } else {
+    store_->save_report(work.frame, frame_report(work.frame, work.mapped.failure, work.mapped.report, std::nullopt));
     store_->save_failure(work.frame, work.mapped.failure);
   }
   count_finished();

@@ -25,6 +25,7 @@ struct TakeReconstructionOptions {
   int triangles = 20000;   // of the surface before mapping
   int level = 8;           // of the geometry image
   int colour_level = 8;
+  int tolerate_misses = 0;  // so many mattes may lack a part of the performer that the others show
   Quality quality = Quality::full;
   int jobs = 0;                                 // frames at once; 0: one a core
   bool paper = false;                           // also write the paper's 24-bit AVI

@@ -95,7 +95,7 @@ std::vector<Pin> pins_of(const TriangleMesh& mesh, std::span<const Rim> rims, co
       offsets += weight * rims[r].normal.dot(rims[r].point - mesh.positions[v]);
       weights += weight;
     });
-    if (weights > 0.0F) pins[v] = {offsets / weights, std::min(1.0F, weights)};
+    if (weights > 0.0F) pins[v] = {offsets / weights, std::min(1.0F, weights * static_cast<float>(options.stride))};
   }
   return pins;
 }
@@ -108,8 +108,9 @@ float mean_pixel(std::span<const Rim> rims) {
 
 }  // namespace
 
-RimFitOptions rim_fit_options(double cell_size, double metre) {
+RimFitOptions rim_fit_options(double cell_size, double metre, int stride) {
   RimFitOptions options;
+  options.stride = stride;
   options.cell_size = cell_size;
   options.law.farthest *= metre;
   options.membrane_length *= metre;

@@ -23,11 +23,12 @@ struct RimFitOptions {
   double membrane_length = 0.08;  // world units over which the membrane evens out
   double pin_weight = 2.0;
   double trusted_length = 0.030;  // of a rim's stretch: a longer one counts less
+  int stride = 1;                 // one rim stands for so many (RimOptions::stride)
   int rounds = 30;
 };
 
 // `metre` as rims.h has it.
-RimFitOptions rim_fit_options(double cell_size, double metre);
+RimFitOptions rim_fit_options(double cell_size, double metre, int stride);
 
 // Distance of every vertex to the nearest rim, over the surface, at most `farthest`.
 std::vector<float> rim_distances(const TriangleMesh& mesh, std::span<const Rim> rims, double cell_size,

@@ -3,12 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <ctime>
 #include <vector>
 
 #include "config/errors.h"
 #include "recon/hull/capture_volume.h"
 #include "recon/hull/marching_cubes.h"
+#include "recon/hull/photo_fit.h"
+#include "recon/hull/photo_hull.h"
 #include "recon/hull/rim_fit.h"
 #include "recon/hull/rims.h"
 #include "recon/hull/visual_hull.h"
@@ -26,20 +29,60 @@ double cpu_seconds() {
   return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
 }
 
+double thread_cpu_ms() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
+}
+
+// Runs `work` and notes what it cost.
+template <class Work>
+auto timed(SurfaceReport& report, const char* stage, Work&& work) {
+  struct Note {
+    SurfaceReport& report;
+    const char* stage;
+    std::chrono::steady_clock::time_point wall = std::chrono::steady_clock::now();
+    double cpu = thread_cpu_ms();
+    ~Note() {
+      const std::chrono::duration<double, std::milli> passed = std::chrono::steady_clock::now() - wall;
+      report.stages.push_back({stage, passed.count(), thread_cpu_ms() - cpu});
+    }
+  };
+  const Note note{report, stage};
+  return work();
+}
+
 // Cameras with a silhouette, and those in whose picture nobody was found.
 struct SortedViews {
   std::vector<SilhouetteView> with_silhouette;
+  std::vector<cv::Mat> pictures;  // theirs, or none
   std::vector<capture::CameraModel> empty;
 };
 
-SortedViews sort_views(std::span<const SilhouetteView> views) {
+SortedViews sort_views(std::span<const SilhouetteView> views, std::span<const cv::Mat> pictures) {
   SortedViews sorted;
-  for (const auto& view : views)
-    if (view.is_empty())
-      sorted.empty.push_back(view.camera());
-    else
-      sorted.with_silhouette.push_back(view);
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    if (views[i].is_empty()) {
+      sorted.empty.push_back(views[i].camera());
+      continue;
+    }
+    sorted.with_silhouette.push_back(views[i]);
+    if (!pictures.empty()) sorted.pictures.push_back(pictures[i]);
+  }
   return sorted;
+}
+
+void check(std::span<const SilhouetteView> views, std::span<const cv::Mat> pictures, const SurfaceOptions& options) {
+  if (views.size() < 2) throw InvalidInput("a surface needs at least two views");
+  if (options.paper && pictures.empty()) throw InvalidInput("a photo hull needs the views' pictures");
+  if (pictures.empty()) return;
+  if (pictures.size() != views.size())
+    throw InvalidInput(fmt::format("{} views but {} pictures: one a view is needed", views.size(), pictures.size()));
+  for (std::size_t i = 0; i < views.size(); ++i)
+    if (pictures[i].size() != views[i].distance_px().size() || pictures[i].type() != CV_8UC3)
+      throw InvalidInput(fmt::format("{}: the picture has {} x {} pixels, the calibration says {} x {}",
+                                     views[i].camera().name, pictures[i].cols, pictures[i].rows,
+                                     views[i].camera().width, views[i].camera().height));
 }
 
 std::string names_of(std::span<const capture::CameraModel> cameras) {
@@ -71,6 +114,26 @@ SurfaceResult failed(SurfaceResult result, const std::string& why) {
   return result;
 }
 
+bool is_full(const SilhouetteView& view) {
+  double least = 0.0;
+  cv::minMaxLoc(view.distance_px(), &least);
+  return least > 0.0;
+}
+
+// Why no point of the volume lies inside all silhouettes, as far as they tell.
+std::string nothing_inside(std::span<const SilhouetteView> views, const SurfaceOptions& options) {
+  const std::string what = "empty hull: no point of the volume lies inside all silhouettes";
+  if (!options.bounds) return what;
+  try {
+    const auto found = capture_volume(views);
+    return fmt::format(
+        "{}, which meet between ({:.3g}, {:.3g}, {:.3g}) and ({:.3g}, {:.3g}, {:.3g}): is it the volume of this rig?",
+        what, found.min().x(), found.min().y(), found.min().z(), found.max().x(), found.max().y(), found.max().z());
+  } catch (const InvalidInput&) {
+    return what + ", nor any other point: check the calibration, and the mattes with --mattes";
+  }
+}
+
 // Fills bounds and cell size of the report; tells what is wrong with the frame, if anything.
 std::string settle_volume(std::span<const SilhouetteView> views, const SurfaceOptions& options, SurfaceReport& report) {
   try {
@@ -89,26 +152,96 @@ std::string settle_volume(std::span<const SilhouetteView> views, const SurfaceOp
   return {};
 }
 
+bool draws_in(const SurfaceOptions& options) {
+  return options.fit_rims && !options.paper;
+}
+
 Eigen::AlignedBox3d box_of(const TriangleMesh& mesh) {
   Eigen::AlignedBox3d box;
   for (const auto& position : mesh.positions) box.extend(position.cast<double>());
   return box;
 }
 
-// From the hull's surface to the body's.
-void draw_in(std::span<const SilhouetteView> views, const SurfaceOptions& options, SurfaceResult& result) {
-  const double metre = default_cell_size(result.report.bounds, options.unit) / kPersonCell;
-  const auto rims = find_rims(views, rim_options(box_of(result.mesh), metre, options.rim_stride));
-  result.report.rims = rims.size();
-  compute_normals(result.mesh);
-  fit_to_rims(result.mesh, rims, rim_fit_options(result.report.cell_size, metre));
+// One, or what is to this body as a metre is to a person.
+double metre_of(const SurfaceReport& report, const SurfaceOptions& options) {
+  return default_cell_size(report.bounds, options.unit) / kPersonCell;
 }
 
-void finish(TriangleMesh& mesh, const SurfaceOptions& options, double cell_size) {
-  if (!options.fit_rims) smooth(mesh, {.rounds = options.smoothing_rounds});
-  if (options.collapse_slivers) collapse_slivers(mesh, 0.2 * cell_size);
-  if (options.triangles > 0) simplify(mesh, static_cast<std::size_t>(options.triangles));
+std::vector<capture::CameraModel> cameras_of(std::span<const SilhouetteView> views) {
+  std::vector<capture::CameraModel> cameras;
+  for (const auto& view : views) cameras.push_back(view.camera());
+  return cameras;
+}
+
+// Where the pictures agree, twice, the second time from nearer by; then back to the rims, which know better.
+void match(const SortedViews& views, std::span<const Rim> rims, const RimFitOptions& fit, const TriangleMesh& hull,
+           double metre, TriangleMesh& mesh) {
+  const auto distance = rim_distances(hull, rims, fit.cell_size, 2.0 * fit.law.farthest);
+  const auto cameras = cameras_of(views.with_silhouette);
+  for (const double reach : {0.016 * metre, 0.008 * metre}) {
+    compute_normals(mesh);
+    PhotoFitOptions options;
+    options.reach = reach;
+    options.prior_sigma *= metre;
+    const auto offsets = photo_offsets(mesh, distance, photo_views(mesh, cameras, views.pictures), options);
+    for (std::size_t v = 0; v < offsets.size(); ++v) mesh.positions[v] += offsets[v] * mesh.normals[v];
+  }
+  pin_to_rims(mesh, hull, rims, fit);
+}
+
+// From the hull's surface to the body's.
+void draw_in(const SortedViews& views, const SurfaceOptions& options, SurfaceResult& result) {
+  auto& report = result.report;
+  const double metre = metre_of(report, options);
+  compute_normals(result.mesh);
+  const auto rims = timed(report, "rims", [&] {
+    return find_rims(views.with_silhouette, rim_options(box_of(result.mesh), metre, options.rim_stride));
+  });
+  report.rims = rims.size();
+  const auto hull = result.mesh;
+  const auto fit = rim_fit_options(report.cell_size, metre, options.rim_stride);
+  timed(report, "rim fit", [&] { fit_to_rims(result.mesh, rims, fit); });
+  if (!options.match_pictures || views.pictures.empty()) return;
+  timed(report, "matching", [&] { match(views, rims, fit, hull, metre, result.mesh); });
+}
+
+std::vector<DeniedShare> denied_by(std::span<const SilhouetteView> views, const SignedGrid& grid) {
+  const auto shares = denied_shares(views, grid);
+  std::vector<DeniedShare> denied;
+  for (std::size_t i = 0; i < views.size(); ++i)
+    if (shares[i] > 0.0) denied.push_back({views[i].camera().name, shares[i]});
+  return denied;
+}
+
+SignedGrid carved(const SortedViews& views, const SurfaceOptions& options, SurfaceReport& report) {
+  auto grid = timed(report, "hull", [&] {
+    return visual_hull(views.with_silhouette,
+                       {report.bounds, report.cell_size, options.min_views, options.tolerate_misses});
+  });
+  report.blocks = grid.block_count();
+  if (options.paper)
+    timed(report, "photo hull", [&] {
+      const PhotoHullOptions carving{.deepest = 0.05 * metre_of(report, options)};
+      report.carved_voxels = carve_photo_hull(grid, views.with_silhouette, views.pictures, carving).carved;
+    });
+  timed(report, "genus cut", [&] { report.cut = cut_to_genus_zero(grid); });
+  if (options.tolerate_misses > 0) report.denied = denied_by(views.with_silhouette, grid);
+  return grid;
+}
+
+void finish(const SurfaceOptions& options, SurfaceResult& result) {
+  auto& mesh = result.mesh;
+  auto& report = result.report;
+  if (!draws_in(options)) smooth(mesh, {.rounds = options.smoothing_rounds});
+  timed(report, "simplify", [&] {
+    if (options.collapse_slivers) collapse_slivers(mesh, 0.2 * report.cell_size);
+    if (options.triangles > 0) simplify(mesh, static_cast<std::size_t>(options.triangles));
+  });
   compute_normals(mesh);
+  report.triangles = mesh.triangles.size();
+  report.volume = signed_volume(mesh);
+  report.area = surface_area(mesh);
+  report.topology = topology_of(mesh);
 }
 
 }  // namespace
@@ -116,35 +249,40 @@ void finish(TriangleMesh& mesh, const SurfaceOptions& options, double cell_size)
 SurfaceOptions live_surface(SurfaceOptions options) {
   options.coarseness *= kLiveCoarseness;
   options.rim_stride = kLiveRimStride;
-  options.collapse_slivers = false;
+  options.match_pictures = false;
   options.triangles = 0;
   return options;
 }
 
-SurfaceResult reconstruct_surface(std::span<const SilhouetteView> all, const SurfaceOptions& options) {
+SurfaceResult reconstruct_surface(std::span<const SilhouetteView> all, std::span<const cv::Mat> pictures,
+                                  const SurfaceOptions& options) {
   const double start = cpu_seconds();
+  check(all, pictures, options);
   SurfaceResult result;
-  if (all.size() < 2) throw InvalidInput("a surface needs at least two views");
-  const auto [views, empty] = sort_views(all);
-  if (views.size() < 2) return failed(std::move(result), "empty silhouette in " + names_of(empty));
-  if (const auto problem = settle_volume(views, options, result.report); !problem.empty())
-    return failed(std::move(result), problem);
   auto& report = result.report;
-  auto grid = visual_hull(views, {report.bounds, report.cell_size, options.min_views, options.tolerate_misses});
-  report.blocks = grid.block_count();
-  report.cut = cut_to_genus_zero(grid);
-  if (report.cut.solid_voxels == 0)
-    return failed(std::move(result), "empty hull: no point of the volume lies inside all silhouettes");
-  result.mesh = options.fit_rims ? marching_cubes(grid, kSliverMargin) : marching_cubes(grid);
-  if (const auto failed_key = watching(empty, result.mesh); !failed_key.empty())
+  const auto views = sort_views(all, pictures);
+  if (views.with_silhouette.size() < 2)
+    return failed(std::move(result), "empty silhouette in " + names_of(views.empty));
+  if (std::all_of(views.with_silhouette.begin(), views.with_silhouette.end(), is_full))
+    return failed(std::move(result), "the silhouettes fill all pictures: the key found no backdrop");
+  if (const auto problem = settle_volume(views.with_silhouette, options, report); !problem.empty())
+    return failed(std::move(result), problem);
+  const auto grid = carved(views, options, report);
+  if (report.cut.solid_voxels == 0) return failed(std::move(result), nothing_inside(views.with_silhouette, options));
+  result.mesh = timed(report, "marching cubes",
+                      [&] { return draws_in(options) ? marching_cubes(grid, kSliverMargin) : marching_cubes(grid); });
+  if (const auto failed_key = watching(views.empty, result.mesh); !failed_key.empty())
     return failed(std::move(result), "empty silhouette in " + names_of(failed_key));
   report.extracted_triangles = result.mesh.triangles.size();
-  if (options.fit_rims) draw_in(views, options, result);
-  finish(result.mesh, options, report.cell_size);
-  report.triangles = result.mesh.triangles.size();
+  if (draws_in(options)) draw_in(views, options, result);
+  finish(options, result);
   report.cpu_s = cpu_seconds() - start;
-  if (!topology_of(result.mesh).is_sphere()) return failed(std::move(result), "the surface is not a closed sphere");
+  if (!report.topology.is_sphere()) return failed(std::move(result), "the surface is not a closed sphere");
   return result;
+}
+
+SurfaceResult reconstruct_surface(std::span<const SilhouetteView> views, const SurfaceOptions& options) {
+  return reconstruct_surface(views, {}, options);
 }
 
 SurfaceResult reconstruct_surface(std::span<const capture::CameraModel> cameras, std::span<const capture::Matte> mattes,

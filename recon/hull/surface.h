@@ -3,9 +3,11 @@
 // between the rims to where the body is (rim_fit.h), simplified, with normals. World frame and units (metres).
 // ALGORITHMS step 3. Pure: no files, no log; the same result on any number of threads.
 #include <Eigen/Geometry>
+#include <opencv2/core.hpp>
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "capture/camera_model.h"
 #include "capture/matte/matte.h"
@@ -23,14 +25,27 @@ struct SurfaceOptions {
   int triangles = 20000;                      // at most; 0: all
   int min_views = 2;
   int tolerate_misses = 0;
-  bool fit_rims = true;  // else the surface is the hull's
-  int rim_stride = 1;    // every so manieth outline point makes a rim
+  bool fit_rims = true;        // else the surface is the hull's
+  int rim_stride = 1;          // every so manieth outline point makes a rim
+  bool match_pictures = true;  // where there are pictures: the fitted surface goes to where they agree (photo_fit.h)
+  bool paper = false;          // as the first paper has it: the photo hull (photo_hull.h), smoothed, not fitted to rims
   bool collapse_slivers = true;
   int smoothing_rounds = 10;  // of the hull's surface; 0: none
 };
 
 // The same at live quality, for a few milliseconds: coarser cells, fewer rims, triangles as they come.
 SurfaceOptions live_surface(SurfaceOptions options);
+
+struct SurfaceStage {
+  std::string name;
+  double wall_ms = 0.0, cpu_ms = 0.0;  // CPU of the calling thread
+};
+
+// What one view would have cut off if misses were not tolerated.
+struct DeniedShare {
+  std::string camera;
+  double share = 0.0;  // of the solid
+};
 
 struct SurfaceReport {
   Eigen::AlignedBox3d bounds;  // searched
@@ -40,7 +55,13 @@ struct SurfaceReport {
   std::size_t rims = 0;  // that the surface was fitted to
   std::size_t extracted_triangles = 0;
   std::size_t triangles = 0;
-  double cpu_s = 0.0;  // of the calling thread's process while it ran
+  std::size_t carved_voxels = 0;  // of the photo hull
+  MeshTopology topology;
+  std::vector<std::string> disagreeing;  // cameras whose mattes the others do not support (matte_support.h), if known
+  std::vector<DeniedShare> denied;       // of views with any
+  double volume = 0.0, area = 0.0;       // of the mesh, world units cubed and squared
+  std::vector<SurfaceStage> stages;      // in their order
+  double cpu_s = 0.0;                    // of the calling thread's process while it ran
 };
 
 struct SurfaceResult {
@@ -51,8 +72,11 @@ struct SurfaceResult {
 
 // A camera with an empty silhouette takes no part if the surface of the others lies wholly outside of its picture; if
 // it has any of it in view, its key failed. What can happen to a frame (that, an empty hull) is the result's `failure`.
-// Throws InvalidInput for the caller's mistakes: spans of unequal size, fewer than two views, a matte of another size
-// than its camera.
+// `pictures`: RGB, one a view, or none at all: then silhouettes alone tell.
+// Throws InvalidInput for the caller's mistakes: spans of unequal size, fewer than two views, a matte or picture of
+// another size than its camera, paper without pictures.
+SurfaceResult reconstruct_surface(std::span<const SilhouetteView> views, std::span<const cv::Mat> pictures,
+                                  const SurfaceOptions& options);
 SurfaceResult reconstruct_surface(std::span<const SilhouetteView> views, const SurfaceOptions& options = {});
 SurfaceResult reconstruct_surface(std::span<const capture::CameraModel> cameras, std::span<const capture::Matte> mattes,
                                   const SurfaceOptions& options = {});

@@ -129,6 +129,21 @@ std::vector<Eigen::Vector3i> occupied_cubes(std::span<const SilhouetteView> view
   return search(views, bounds, cube_size, 0.0, options);
 }
 
+std::vector<double> denied_shares(std::span<const SilhouetteView> views, const SignedGrid& grid) {
+  std::vector<double> shares(views.size(), 0.0);
+  std::vector<VoxelId> inside;
+  for (VoxelId id = 0; id < grid.voxel_count(); ++id)
+    if (grid.value(id) > 0.0F) inside.push_back(id);
+  tbb::parallel_for(std::size_t{0}, views.size(), [&](std::size_t i) {
+    const auto denied = std::count_if(inside.begin(), inside.end(), [&](VoxelId id) {
+      const auto distance = views[i].distance(grid.position(id));
+      return distance && static_cast<double>(*distance) < -grid.cell_size();
+    });
+    if (!inside.empty()) shares[i] = static_cast<double>(denied) / static_cast<double>(inside.size());
+  });
+  return shares;
+}
+
 SignedGrid visual_hull(std::span<const SilhouetteView> views, const VisualHullOptions& options) {
   check(views, options.bounds, options.cell_size);
   const double block_size = options.cell_size * SignedGrid::kSide;

@@ -26,6 +26,10 @@ SignedGrid visual_hull(std::span<const SilhouetteView> views, const VisualHullOp
 SignedGrid visual_hull(std::span<const capture::CameraModel> cameras, std::span<const capture::Matte> mattes,
                        const VisualHullOptions& options);
 
+// What each view alone would have cut off: the share of the grid's inside, 0 to 1, that lies farther outside of its
+// cone than a cell. More than nothing only where misses were tolerated.
+std::vector<double> denied_shares(std::span<const SilhouetteView> views, const SignedGrid& grid);
+
 // The search alone: cubes of edge `cell_size * 2^k` that no view empties, k levels deep; for looking for the volume.
 std::vector<Eigen::Vector3i> occupied_cubes(std::span<const SilhouetteView> views, const Eigen::AlignedBox3d& bounds,
                                             double cube_size, const VisualHullOptions& options);

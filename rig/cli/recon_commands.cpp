@@ -185,12 +185,18 @@ void add_recon_commands(CommandLine& line) {
   recon->add_option("--quality", arguments->quality, "live (the live key, a quarter of the samples) or full")
       ->check(CLI::IsMember({"live", "full"}))
       ->capture_default_str();
-  recon->add_flag("--paper", options.paper, "also write the paper's 24-bit geometry.avi");
+  recon->add_flag("--paper", options.paper,
+                  "as the first paper: the photo hull, and its 24-bit geometry.avi beside the video");
   recon->add_option("--cell", options.cell_size, "edge of a hull cell (10mm where the unit is metres)")
       ->transform(metres())
       ->check([](const std::string& length) {
         return std::stod(length) > 0.0 ? std::string() : "a cell's edge is longer than nothing, as 10mm";
       });
+  recon
+      ->add_option(
+          "--tolerate-misses", options.tolerate_misses,
+          "so many mattes may lack a part that all others show (0); recon/frames/*.json tell how much each did")
+      ->check(CLI::Range(0, 8));
   recon->add_option("--triangles", options.triangles, "of the surface before mapping")
       ->check(CLI::Range(500, 200000))
       ->capture_default_str();

@@ -49,12 +49,12 @@ TEST(Surface, OfAPersonIsOneClosedSphereNearTheTruth) {
   EXPECT_LT(sum / static_cast<double>(result.mesh.positions.size()), 0.025);  // cells of 30 mm, pixels of 18 mm
 }
 
-double shortest_edge(const TriangleMesh& mesh) {
-  float shortest = 1e9F;
+double share_of_edges_below(const TriangleMesh& mesh, double length) {
+  std::size_t below = 0;
   for (const auto& t : mesh.triangles)
     for (std::size_t i = 0; i < 3; ++i)
-      shortest = std::min(shortest, (mesh.positions[t[i]] - mesh.positions[t[(i + 1) % 3]]).norm());
-  return static_cast<double>(shortest);
+      if (static_cast<double>((mesh.positions[t[i]] - mesh.positions[t[(i + 1) % 3]]).norm()) < length) ++below;
+  return static_cast<double>(below) / (3.0 * static_cast<double>(mesh.triangles.size()));
 }
 
 double mean_distance(const TriangleMesh& mesh, const tests::CapsuleBody& body) {
@@ -79,6 +79,28 @@ TEST(Surface, DrawnInBetweenTheRimsIsNearerToTheBodyThanTheHull) {
   }
 }
 
+// A hole in one camera's matte where an arm is.
+TEST(Surface, KeepsAnArmThatOneMatteHasLostAndTellsWhichWhereMissesAreTolerated) {
+  const auto cameras = small_rig();
+  auto mattes = person_mattes();
+  const auto hand = capture::project(cameras[2], {0.1, 0.60, 1.0});
+  mattes[2].alpha = mattes[2].alpha.clone();
+  cv::Mat lost = mattes[2].alpha(cv::Rect(static_cast<int>(hand->x()) - 6, static_cast<int>(hand->y()) - 6, 12, 12));
+  lost.setTo(0);
+  auto options = stage();
+  options.tolerate_misses = 1;
+  const auto result = reconstruct_surface(cameras, mattes, options);
+  ASSERT_EQ(result.failure, "");
+  float farthest = 0.0F;
+  for (const auto& p : result.mesh.positions) farthest = std::max(farthest, p.y());
+  EXPECT_GT(farthest, 0.58F);
+  ASSERT_FALSE(result.report.denied.empty());
+  const auto most = std::max_element(result.report.denied.begin(), result.report.denied.end(),
+                                     [](const auto& a, const auto& b) { return a.share < b.share; });
+  EXPECT_EQ(most->camera, cameras[2].name);
+  EXPECT_LT(most->share, 0.1);
+}
+
 TEST(Surface, AtLiveQualityHasCoarserCellsAndNoSlivers) {
   const auto cameras = small_rig();
   auto options = stage();
@@ -87,8 +109,8 @@ TEST(Surface, AtLiveQualityHasCoarserCellsAndNoSlivers) {
   ASSERT_EQ(live.failure, "");
   EXPECT_TRUE(topology_of(live.mesh).is_sphere());
   EXPECT_GT(live.report.cell_size, 1.3 * options.cell_size);
-  EXPECT_EQ(live.report.triangles, live.report.extracted_triangles);
-  EXPECT_GT(shortest_edge(live.mesh), 0.1 * live.report.cell_size);  // 0.2 of them before it is drawn in
+  EXPECT_GT(live.report.triangles, live.report.extracted_triangles * 8 / 10);
+  EXPECT_LT(share_of_edges_below(live.mesh, 0.2 * live.report.cell_size), 0.01);  // those whose collapse would fold
 }
 
 TEST(Surface, WithHandsOnHipsIsCutToASphere) {
@@ -160,6 +182,29 @@ TEST(Surface, TellsOfAnEmptyHull) {
   auto mattes = tests::mattes_of(tests::ball({0.4, 0, 1}, 0.1), cameras);
   mattes[2] = tests::matte_of(tests::ball({-0.4, 0, 1.4}, 0.1), cameras[2]);
   EXPECT_NE(reconstruct_surface(cameras, mattes, stage()).failure.find("empty hull"), std::string::npos);
+}
+
+TEST(Surface, TellsWhereThePerformerIsIfNotInTheVolume) {
+  auto options = stage();
+  options.bounds.emplace(Eigen::Vector3d(0.9, 0.5, 0.0), Eigen::Vector3d(1.5, 1.0, 2.0));
+  const auto failure = reconstruct_surface(small_rig(), person_mattes(), options).failure;
+  EXPECT_NE(failure.find("which meet between (-"), std::string::npos) << failure;
+}
+
+TEST(Surface, TellsOfSilhouettesThatFillAllPictures) {
+  const capture::Matte full{cv::Mat(128, 160, CV_8UC1, cv::Scalar(255))};
+  const std::vector<capture::Matte> mattes(10, full);
+  EXPECT_NE(reconstruct_surface(small_rig(), mattes, stage()).failure.find("found no backdrop"), std::string::npos);
+}
+
+TEST(Surface, SurvivesACameraWhoseCalibrationIsTwoDegreesOff) {
+  auto cameras = small_rig();
+  const Eigen::AngleAxisd off(0.035, Eigen::Vector3d::UnitY());
+  cameras[3].R = off * cameras[3].R;
+  cameras[3].t = off * cameras[3].t;
+  const auto result = reconstruct_surface(cameras, person_mattes(), stage());
+  EXPECT_EQ(result.failure, "");
+  EXPECT_TRUE(result.report.topology.is_sphere());
 }
 
 TEST(Surface, RefusesMattesThatDoNotMatchTheCameras) {
