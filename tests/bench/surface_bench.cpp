@@ -1,8 +1,13 @@
-// How long each step from silhouettes to a closed surface takes, and how far the surface lies from the body that cast
-// them: ten 720 x 576 cameras, 10 mm cells. surface_bench [BODY.ply] [RUNS]; without a body, a person of capsules.
+// How long each step from silhouettes to a closed surface takes, how that grows with finer cells, and how far the
+// surface lies from the body that cast them: ten 720 x 576 cameras, 10 mm cells.
+//   surface_bench [BODY.ply] [--runs N]; without a body, a person of capsules
+//   surface_bench --truth fitted|held-out [--keep DIR]: what each rung gains on rendered people (surface_ladder.h)
+//   surface_bench --fit [--keep DIR]: how the law by rim distance was chosen (rim_law_search.h)
 // Silhouettes of a mesh are its triangles filled at eight times the size. Prints medians.
 #include <fmt/format.h>
+#include <sys/resource.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cstdlib>
@@ -13,12 +18,15 @@
 #include <unordered_map>
 #include <vector>
 
+#include "config/exit_code.h"
 #include "recon/hull/genus_cut.h"
 #include "recon/hull/marching_cubes.h"
 #include "recon/hull/surface.h"
 #include "recon/hull/visual_hull.h"
 #include "recon/mesh/mesh_file.h"
 #include "simulator/studio/camera_layout.h"
+#include "tests/bench/rim_law_search.h"
+#include "tests/bench/surface_ladder.h"
 #include "tests/support/capsule_body.h"
 
 namespace {
@@ -126,23 +134,50 @@ void print_distance(const char* name, const recon::TriangleMesh& mesh, const rec
              1e3 * sum / static_cast<double>(accuracy.size()), 1e3 * accuracy[accuracy.size() * 95 / 100], share);
 }
 
-}  // namespace
+// Without decimation, whose cost is of the triangles it takes away.
+void print_growth(const std::vector<capture::CameraModel>& cameras, const std::vector<capture::Matte>& mattes,
+                  recon::SurfaceOptions options, int runs) {
+  options.triangles = 0;
+  options.collapse_slivers = false;
+  std::vector<double> cpu;
+  for (const double cell : {0.020, 0.010, 0.005}) {
+    options.cell_size = cell;
+    Cost cost;
+    recon::SurfaceResult result;
+    for (int run = 0; run < runs; ++run)
+      time_step(cost, [&] { result = recon::reconstruct_surface(cameras, mattes, options); });
+    cpu.push_back(median(cost.cpu_ms));
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    fmt::print("cells of {:2.0f} mm: cpu {:8.1f} ms   {:7} triangles   peak memory so far {:.0f} MB\n", 1e3 * cell,
+               cpu.back(), result.report.triangles, static_cast<double>(usage.ru_maxrss) / 1024.0);
+  }
+  fmt::print("growth exponent 20 to 10 mm {:.2f}, 10 to 5 mm {:.2f} (a dense grid: 3)\n", std::log2(cpu[1] / cpu[0]),
+             std::log2(cpu[2] / cpu[1]));
+}
 
-int main(int argc, char** argv) {
+void print_stages(const char* name, const std::vector<capture::CameraModel>& cameras,
+                  const std::vector<capture::Matte>& mattes, const recon::SurfaceOptions& options) {
+  const auto report = recon::reconstruct_surface(cameras, mattes, options).report;
+  fmt::print("{}:", name);
+  for (const auto& stage : report.stages) fmt::print(" {} {:.1f}", stage.name, stage.cpu_ms);
+  fmt::print(" (ms of this thread), {} triangles\n", report.triangles);
+}
+
+void measure(const std::string& body, int runs) {
   const auto cameras = simulator::camera_layout();
-  const int runs = argc > 2 ? std::max(1, std::atoi(argv[2])) : 5;
   std::vector<capture::Matte> mattes;
   recon::TriangleMesh truth;
-  if (argc > 1) {
-    truth = recon::read_ply(argv[1]);
-    for (const auto& camera : cameras) mattes.push_back(matte_of(truth, camera));
-  } else {
+  if (body.empty()) {
     mattes = tests::mattes_of(tests::person(), cameras);
+  } else {
+    truth = recon::read_ply(body);
+    for (const auto& camera : cameras) mattes.push_back(matte_of(truth, camera));
   }
   recon::SurfaceOptions options;
   options.bounds.emplace(Eigen::Vector3d(-1.5, -1.0, -0.1), Eigen::Vector3d(1.5, 1.0, 2.0));
   options.cell_size = kCell;
-  Cost views_cost, hull_cost, cut_cost, cubes_cost, whole_cost;
+  Cost views_cost, hull_cost, cut_cost, cubes_cost, whole_cost, live_cost;
   recon::TriangleMesh hull;
   recon::SurfaceResult result;
   for (int run = 0; run < runs; ++run) {
@@ -153,17 +188,47 @@ int main(int argc, char** argv) {
     time_step(cut_cost, [&] { recon::cut_to_genus_zero(grid); });
     time_step(cubes_cost, [&] { hull = recon::marching_cubes(grid); });
     time_step(whole_cost, [&] { result = recon::reconstruct_surface(cameras, mattes, options); });
+    time_step(live_cost, [&] { recon::reconstruct_surface(cameras, mattes, recon::live_surface(options)); });
   }
   print("signed silhouettes", views_cost);
   print("visual hull", hull_cost);
   print("cut to genus 0", cut_cost);
   print("marching cubes", cubes_cost);
   print("reconstruct_surface, all", whole_cost);
+  print("reconstruct_surface, live", live_cost);
   fmt::print("{} blocks, {} voxels, {} cut, {} -> {} triangles{}\n", result.report.blocks,
              result.report.cut.solid_voxels, result.report.cut.cut_voxels, result.report.extracted_triangles,
              result.report.triangles, result.failure.empty() ? "" : ", failed: " + result.failure);
-  if (truth.triangles.empty()) return 0;
+  print_stages("full, silhouettes alone", cameras, mattes, options);
+  print_stages("live", cameras, mattes, recon::live_surface(options));
+  print_growth(cameras, mattes, options, runs);
+  if (truth.triangles.empty()) return;
   print_distance("hull", hull, truth);
   print_distance("surface", result.mesh, truth);
-  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::string body, truth, keep;
+  int runs = 5;
+  CLI::App app("What the closed surface costs and how near it comes to the truth", "surface_bench");
+  app.add_option("body", body, "a closed mesh that casts the silhouettes, PLY; else a person of capsules");
+  app.add_option("--runs", runs, "of each step")->check(CLI::PositiveNumber)->capture_default_str();
+  app.add_option("--truth", truth,
+                 "measure every rung on rendered people instead: those that laws were fitted on, or others")
+      ->check(CLI::IsMember({"fitted", "held-out"}));
+  bool fit = false;
+  app.add_flag("--fit", fit, "search the law by rim distance anew, on the rendered people it was fitted on");
+  app.add_option("--keep", keep, "leave rendered pictures here for the next time");
+  CLI11_PARSE(app, argc, argv);
+  try {
+    if (fit) bench::search_rim_law(bench::fitted_studies(), keep);
+    if (!fit && truth.empty()) measure(body, runs);
+    if (truth == "fitted") bench::print_ladder(bench::fitted_studies(), keep);
+    if (truth == "held-out") bench::print_ladder(bench::held_out_studies(), keep);
+    return kDone;
+  } catch (...) {
+    return report_current_exception("surface_bench");
+  }
 }

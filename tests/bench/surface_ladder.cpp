@@ -1,0 +1,122 @@
+#include "tests/bench/surface_ladder.h"
+
+#include <fmt/format.h>
+
+#include <ctime>
+#include <string>
+
+#include "recon/hull/surface.h"
+#include "simulator/studio/camera_layout.h"
+#include "tests/bench/surface_score.h"
+
+namespace rotunda::bench {
+namespace {
+
+struct Rung {
+  std::string name, asked;
+  bool true_mattes = false, pictures = false;
+  recon::SurfaceOptions options;
+};
+
+recon::SurfaceOptions options_of() {
+  recon::SurfaceOptions options;
+  options.bounds = simulator::kStageVolume;
+  return options;
+}
+
+recon::SurfaceOptions bare_hull() {
+  auto options = options_of();
+  options.fit_rims = false;
+  options.smoothing_rounds = 0;
+  options.triangles = 0;
+  options.collapse_slivers = false;
+  return options;
+}
+
+std::vector<Rung> rungs() {
+  auto paper = options_of(), rims = options_of();
+  paper.paper = true;
+  rims.match_pictures = false;
+  return {{"ideal hull", "1 / 1", true, false, bare_hull()},
+          {"our hull", "-", false, false, bare_hull()},
+          {"live", "<= 0.85 / 0.85", false, false, recon::live_surface(options_of())},
+          {"rims alone", "-", false, false, rims},
+          {"full", "<= 0.68 / 0.70", false, true, options_of()},
+          {"paper", "-", false, true, paper}};
+}
+
+struct Sums {
+  double mean = 0.0, p95 = 0.0, within = 0.0, overlap = 0.0, cpu_ms = 0.0;
+  int worse_than_hull = 0, failed = 0;
+};
+
+double cpu_ms() {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
+}
+
+class Ladder {
+ public:
+  void add(const SurfaceMoment& moment) {
+    const SurfaceJudge judge(moment.body);
+    const auto own = recon::silhouette_views(moment.cameras, moment.mattes);
+    const auto ideal_views = recon::silhouette_views(moment.cameras, moment.truth);
+    SurfaceScore ideal, hull;
+    fmt::print("{:<30}", moment.name);
+    for (std::size_t r = 0; r < rungs_.size(); ++r) {
+      const auto& rung = rungs_[r];
+      const double before = cpu_ms();
+      const auto result = recon::reconstruct_surface(
+          rung.true_mattes ? ideal_views : own, rung.pictures ? moment.pictures : std::vector<cv::Mat>(), rung.options);
+      sums_[r].cpu_ms += cpu_ms() - before;
+      if (!result.failure.empty()) {
+        ++sums_[r].failed;
+        fmt::print("  {}: {}", rung.name, result.failure);
+        continue;
+      }
+      const auto score = judge.score(result.mesh);
+      if (r == 0) ideal = score;
+      if (r == 1) hull = score;
+      if (r > 1 && score.mean > hull.mean) ++sums_[r].worse_than_hull;
+      sums_[r].mean += score.mean / ideal.mean;
+      sums_[r].p95 += score.p95 / ideal.p95;
+      sums_[r].within += score.within_10mm;
+      sums_[r].overlap += outline_overlap(result.mesh, moment.cameras, moment.truth);
+      if (r == 0) fmt::print(" {:5.2f} / {:5.1f} mm {:.3f}", score.mean, score.p95, score.within_10mm);
+      if (r != 0)
+        fmt::print(" | {:.2f} / {:.2f} {:.3f}", score.mean / ideal.mean, score.p95 / ideal.p95, score.within_10mm);
+    }
+    fmt::print("\n");
+    std::fflush(stdout);
+    ++moments_;
+  }
+
+  void print_means() const {
+    fmt::print("{:<12} {:>16} {:>10} {:>10} {:>10} {:>10}  {}\n", "mean", "to the ideal", "in 10 mm", "outline",
+               "cpu ms", "not worse", "asked");
+    for (std::size_t r = 0; r < rungs_.size(); ++r) {
+      const auto& sum = sums_[r];
+      const double count = moments_ - sum.failed;
+      fmt::print("{:<12} {:>7.3f} / {:>6.3f} {:>10.3f} {:>10.4f} {:>10.0f} {:>6}/{:<3}  {}\n", rungs_[r].name,
+                 sum.mean / count, sum.p95 / count, sum.within / count, sum.overlap / count, sum.cpu_ms / count,
+                 moments_ - sum.worse_than_hull - sum.failed, moments_, rungs_[r].asked);
+    }
+  }
+
+ private:
+  std::vector<Rung> rungs_ = rungs();
+  std::vector<Sums> sums_ = std::vector<Sums>(rungs_.size());
+  int moments_ = 0;
+};
+
+}  // namespace
+
+void print_ladder(const std::vector<SurfaceStudy>& studies, const std::filesystem::path& keep) {
+  Ladder ladder;
+  for (const auto& study : studies)
+    for (const auto& moment : moments_of(study, keep)) ladder.add(moment);
+  ladder.print_means();
+}
+
+}  // namespace rotunda::bench

@@ -1,0 +1,49 @@
+#include "tests/bench/surface_score.h"
+
+#include <cmath>
+
+#include "recon/colour/visibility.h"
+
+namespace rotunda::bench {
+namespace {
+
+constexpr std::size_t kPoints = 10000;  // on each surface
+
+std::vector<Eigen::Vector3d> area_points(const recon::TriangleMesh& mesh) {
+  auto points = tests::points_on(mesh, kPoints);
+  points.erase(points.begin(), points.begin() + static_cast<long>(mesh.positions.size()));
+  return points;
+}
+
+std::vector<double> distances(const std::vector<Eigen::Vector3d>& points, const tests::DistanceTree& tree) {
+  std::vector<double> result(points.size());
+  tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) { result[i] = 1e3 * tree.distance(points[i]); });
+  return result;
+}
+
+}  // namespace
+
+SurfaceJudge::SurfaceJudge(const recon::TriangleMesh& truth) : tree_(truth), points_(area_points(truth)) {}
+
+SurfaceScore SurfaceJudge::score(const recon::TriangleMesh& surface) const {
+  auto both = distances(points_, tests::DistanceTree(surface));
+  const auto near = std::count_if(both.begin(), both.end(), [](double d) { return d <= 10.0; });
+  const double within = static_cast<double>(near) / static_cast<double>(both.size());
+  const auto back = distances(area_points(surface), tree_);
+  both.insert(both.end(), back.begin(), back.end());
+  std::sort(both.begin(), both.end());
+  const double sum = std::accumulate(both.begin(), both.end(), 0.0);
+  return {sum / static_cast<double>(both.size()), both[both.size() * 95 / 100], within};
+}
+
+double outline_overlap(const recon::TriangleMesh& surface, const std::vector<capture::CameraModel>& cameras,
+                       const std::vector<capture::Matte>& mattes) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    const cv::Mat drawn = recon::render_depth(surface, cameras[i]).depth<1e9F, seen = mattes[i].alpha> 127;
+    sum += static_cast<double>(cv::countNonZero(drawn & seen)) / cv::countNonZero(drawn | seen);
+  }
+  return sum / static_cast<double>(cameras.size());
+}
+
+}  // namespace rotunda::bench

@@ -1,0 +1,32 @@
+#pragma once
+// How near a surface comes to the true one: symmetric distance and completeness. Millimetres.
+#include <vector>
+
+#include "capture/camera_model.h"
+#include "capture/matte/matte.h"
+#include "recon/mesh/triangle_mesh.h"
+#include "tests/support/surface_distance.h"
+
+namespace rotunda::bench {
+
+struct SurfaceScore {
+  double mean = 0.0, p95 = 0.0;  // of both ways together, as many points of area each
+  double within_10mm = 0.0;      // share of the truth that the surface comes so near
+};
+
+// One truth for many surfaces. Lends the mesh.
+class SurfaceJudge {
+ public:
+  explicit SurfaceJudge(const recon::TriangleMesh& truth);
+  SurfaceScore score(const recon::TriangleMesh& surface) const;
+
+ private:
+  tests::DistanceTree tree_;
+  std::vector<Eigen::Vector3d> points_;
+};
+
+// Overlap (IoU) of the surface's outline with the mattes, mean over the cameras.
+double outline_overlap(const recon::TriangleMesh& surface, const std::vector<capture::CameraModel>& cameras,
+                       const std::vector<capture::Matte>& mattes);
+
+}  // namespace rotunda::bench
