@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "recon/colour/live_colour.h"
+#include "recon/hull/surface.h"
 #include "recon/mesh/triangle_mesh.h"
 #include "simulator/studio/camera_layout.h"
 #include "tests/support/ball_scene.h"
@@ -70,6 +71,27 @@ TEST(LiveReconstruction, MakesOneClosedSurfaceInThePerformersColours) {
              std::abs(frame.mesh.colours[v][2] - truth_there[2]) < 25;
   }
   EXPECT_GT(right, clear * 97 / 100) << "no blue of the screen, and what no camera sees is filled";
+}
+
+Eigen::Vector3d middle_of(const TriangleMesh& mesh) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const auto& position : mesh.positions) sum += position.cast<double>();
+  return sum / static_cast<double>(mesh.positions.size());
+}
+
+// Cells of 100 mm need no more than silhouettes of half the size; half a pixel's mistake there would be 7 mm.
+TEST(LiveReconstruction, IsWhereTheOfflineSurfaceIsAlsoWithReducedSilhouettes) {
+  const auto scene = scene_of({{kBall}});
+  auto options = kOptions;
+  options.cell_size = 0.1;
+  StageClock clock;
+  const auto live = reconstruct_live(scene.set, scene.studio, options, clock);
+  ASSERT_EQ(live.failure, "");
+  const auto offline =
+      reconstruct_surface(live.views.cameras, live.views.mattes,
+                          {.bounds = options.bounds, .cell_size = 0.1, .triangles = 0, .smoothing_rounds = 3});
+  EXPECT_LT((middle_of(live.mesh) - middle_of(offline.mesh)).norm(), 0.003);
+  EXPECT_NEAR(signed_volume(live.mesh), signed_volume(offline.mesh), 0.01 * signed_volume(offline.mesh));
 }
 
 // Both balls are seen by all cameras, one before the other by some: what is hidden takes its colour from other views.
