@@ -2,7 +2,6 @@
 
 #include <chrono>
 #include <cmath>
-#include <thread>
 
 #include "playback/display/window.h"
 
@@ -11,7 +10,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr auto kPicturePeriod = std::chrono::microseconds(33'333);  // surfaces come no faster than cameras do
+constexpr double kLook_s = 0.01;                   // for a new surface
+constexpr auto kOldest = std::chrono::seconds(1);  // a picture is drawn anew: something else may have covered it
 
 struct LiveControl {
   bool held = false, ended = false;
@@ -58,6 +58,10 @@ void apply(LiveStage& stage, LiveControl& control, const WindowInput& input) {
   if (input.scroll != 0.0) stage.orbit().zoom(std::pow(1.1, input.scroll));
 }
 
+bool has_any(const WindowInput& input) {
+  return !input.keys.empty() || input.drag_x != 0.0 || input.drag_y != 0.0 || input.scroll != 0.0;
+}
+
 }  // namespace
 
 LivePlayReport play_live(const std::function<std::optional<LiveView>()>& newest, const LivePlayOptions& options) {
@@ -67,20 +71,27 @@ LivePlayReport play_live(const std::function<std::optional<LiveView>()>& newest,
   LiveControl control;
   LivePlayReport report;
   const auto begin = Clock::now();
+  cv::Size drawn;
+  auto drawn_at = begin - kOldest;
   while (window.is_open() && !control.ended && !options.stop.stop_requested()) {
-    const auto now = Clock::now();
-    if (const auto view = control.held ? std::nullopt : newest()) {
+    const auto view = control.held ? std::nullopt : newest();
+    if (view) {
       stage.show(*view);
       ++report.surfaces;
     }
-    if (window.width() > 0 && window.height() > 0) {
+    const auto input = window.take_input();
+    apply(stage, control, input);
+    const cv::Size size(window.width(), window.height());
+    const auto now = Clock::now();
+    if (!size.empty() && (view || has_any(input) || size != drawn || now - drawn_at >= kOldest)) {
       window.bind();
-      stage.draw(window.width(), window.height());
+      stage.draw(size.width, size.height);
+      window.present();
+      ++report.pictures;
+      drawn = size;
+      drawn_at = now;
     }
-    window.present();
-    ++report.pictures;
-    apply(stage, control, window.take_input());
-    std::this_thread::sleep_until(now + kPicturePeriod);
+    window.wait_for_input(kLook_s);
   }
   report.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
   return report;

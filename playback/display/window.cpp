@@ -61,7 +61,10 @@ struct Window::Handles {
 };
 
 Window::Window(const WindowOptions& options) : handles_(std::make_unique<Handles>()) {
-  if (!glfwInit()) fail("no display: set DISPLAY, or use `rotunda render` to make a film instead");
+  if (!glfwInit())
+    fail(
+        "no display: set DISPLAY; or draw without one: `rotunda render` makes films, --picture a picture of what is "
+        "live");
   glfwWindowHint(GLFW_CLIENT_API, GLFW_OPENGL_ES_API);
   glfwWindowHint(GLFW_CONTEXT_CREATION_API, GLFW_EGL_CONTEXT_API);
   glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
@@ -114,6 +117,10 @@ void Window::bind() const {
 void Window::present() {
   glfwSwapBuffers(handles_->window);
   glfwPollEvents();
+}
+
+void Window::wait_for_input(double seconds) {
+  glfwWaitEventsTimeout(seconds);
 }
 
 WindowInput Window::take_input() {

@@ -32,8 +32,9 @@ class Window {
   bool is_open() const;  // nobody has closed it
   int width() const;     // of what is drawn into, pixels; changes when the window is resized, 0 when minimised
   int height() const;
-  void bind() const;  // makes the window the framebuffer drawn into and sets the viewport
-  void present();     // shows what was drawn and takes the events
+  void bind() const;                    // makes the window the framebuffer drawn into and sets the viewport
+  void present();                       // shows what was drawn and takes the events
+  void wait_for_input(double seconds);  // takes events as they come, for so long at most; shows nothing new
   WindowInput take_input();
 
  private:

@@ -206,6 +206,8 @@ LiveSurfacesStatus LiveSurfaces::status() const {
 LiveViewer::LiveViewer(LiveSurfaces& surfaces, bool with_pictures)
     : surfaces_(surfaces), with_pictures_(with_pictures) {
   const std::lock_guard lock(surfaces_.mutex_);
+  if (surfaces_.lately_.empty() || surfaces_.lately_.back().at < LiveSurfaces::Clock::now() - kStill)
+    seen_ = surfaces_.sequence_;  // what is left of an earlier session is not live
   ++surfaces_.viewers_;
   if (with_pictures_) ++surfaces_.picture_viewers_;
 }

@@ -20,7 +20,8 @@ struct ListedTake {
   std::uint64_t frame_sets = 0, complete = 0;
   double seconds = 0.0;
   bool circled = false;
-  bool reconstructed = false;  // can be played
+  bool reconstructed = false;    // can be played
+  bool at_live_quality = false;  // can be played so: the daemon's look at it after the take
 };
 
 struct PageState {

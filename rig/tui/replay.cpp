@@ -42,7 +42,7 @@ int spawn_player(const std::string& folder, pid_t& child) {
 
 std::string Replay::start(const ListedTake& take) {
   if (child_ > 0) return fmt::format("take {} plays already; close its window first", take_);
-  if (!take.reconstructed)
+  if (!take.reconstructed && !take.at_live_quality)
     return fmt::format("take {} is not reconstructed yet: rotunda recon {}, then rotunda play {}", take.name, take.name,
                        take.name);
   if (!has_display()) return fmt::format("no display here; where there is one: rotunda play {}", take.folder.string());

@@ -8,6 +8,8 @@
 
 #include "capture/take/take.h"
 #include "capture/take/take_edit.h"
+#include "recon/live_take.h"
+#include "recon/take_studio.h"
 
 namespace rotunda::rig {
 namespace {
@@ -26,7 +28,8 @@ ListedTake listed(const fs::path& root, const capture::TakeInfo& info) {
   take.complete = info.complete_sets;
   take.seconds = info.fps > 0.0 ? static_cast<double>(info.frame_sets) / info.fps : 0.0;
   take.circled = info.circled;
-  take.reconstructed = fs::exists(folder / "recon" / "geometry.mkv");
+  take.reconstructed = fs::exists(recon::geometry_video_of(folder));
+  take.at_live_quality = fs::exists(recon::live_take_file(folder));
   return take;
 }
 

@@ -15,7 +15,9 @@ Line take_row(const ListedTake& take, bool selected) {
   const auto text = fmt::format("{} {} {} {} {} {}", left_in(take.circled ? "(*)" : "", 3), left_in(take.name, 20),
                                 left_in(take.state, 11), right_in(length_text(take.seconds), 9),
                                 right_in(fmt::format("{}/{}", take.complete, take.frame_sets), 13),
-                                take.reconstructed ? "yes" : "no ");
+                                take.reconstructed     ? "yes "
+                                : take.at_live_quality ? "live"
+                                                       : "no  ");
   const auto more =
       fmt::format("  {}{}{}", take.slate == take.name ? "" : take.slate,
                   take.slate.empty() || take.slate == take.name || take.note.empty() ? "" : ": ", take.note);
