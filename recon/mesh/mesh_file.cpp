@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <cctype>
 #include <cerrno>
+#include <cmath>
+#include <cstdlib>
 #include <fstream>
 #include <system_error>
 
@@ -116,8 +118,26 @@ std::ifstream open_to_read(const std::filesystem::path& file) {
   return stream;
 }
 
+// OpenMesh leaves out a vertex that it cannot read, and all faces then name others than they mean.
+void check_obj_vertices(const std::filesystem::path& file, std::ifstream& stream) {
+  std::string line;
+  for (std::uint64_t offset = 0; std::getline(stream, line); offset += line.size() + 1) {
+    if (line.rfind("v ", 0) != 0) continue;
+    const char* at = line.c_str() + 2;
+    for (int i = 0; i < 3; ++i) {
+      char* end = nullptr;
+      if (!std::isfinite(std::strtof(at, &end)) || end == at)
+        throw CorruptData(file, offset, fmt::format("a vertex has a coordinate that is no finite number: {}", line));
+      at = end;
+    }
+  }
+  stream.clear();
+  stream.seekg(0);
+}
+
 TriangleMesh read_obj(const std::filesystem::path& file) {
   auto stream = open_to_read(file);
+  check_obj_vertices(file, stream);
   Polygons vertices;
   TriangleMesh mesh;
   Collector collector(vertices, mesh, file);

@@ -106,6 +106,10 @@ TEST_F(MeshCommand, RefusesEachBadMeshByName) {
     EXPECT_THAT(outcome.err, HasSubstr(reason));
     EXPECT_FALSE(fs::exists(sphere)) << name;
   }
+  std::ofstream(folder() / "nan.obj") << "v 0 0 0\nv 1 0 nan\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
+  const auto obj = rotunda({"map", (folder() / "nan.obj").string()});
+  EXPECT_EQ(obj.exit_code, 3);
+  EXPECT_THAT(obj.err, HasSubstr("v 1 0 nan"));
   const auto missing = rotunda({"map", (folder() / "missing.ply").string()});
   EXPECT_EQ(missing.exit_code, 3);
   EXPECT_THAT(missing.err, HasSubstr("no such file"));
