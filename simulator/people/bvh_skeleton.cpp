@@ -1,208 +1,29 @@
 #include "simulator/people/bvh_skeleton.h"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
-#include <algorithm>
-#include <cmath>
-
-#include "config/errors.h"
-#include "simulator/people/joint_names.h"
-#include "simulator/people/length_unit.h"
+#include "recon/body/bvh_joints.h"
 
 namespace rotunda::simulator {
 namespace {
 
-using Eigen::Isometry3d;
-using Eigen::Matrix3d;
-using Eigen::Vector3d;
-
-std::optional<Joint> limb_joint(const NamedJoint& named) {
-  switch (named.segment) {
-    case BodySegment::clavicle:
-      return Joint::clavicle_left;
-    case BodySegment::upper_arm:
-      return Joint::upper_arm_left;
-    case BodySegment::forearm:
-      return Joint::forearm_left;
-    case BodySegment::hand:
-      return Joint::hand_left;
-    case BodySegment::thigh:
-      return Joint::thigh_left;
-    case BodySegment::shank:
-      return Joint::shank_left;
-    case BodySegment::foot:
-      return Joint::foot_left;
-    case BodySegment::toes:
-      return Joint::toes_left;
-    default:
-      return std::nullopt;
-  }
-}
-
-// The joint of the spine that carries an arm; the uppermost if none is seen to.
-std::size_t chest_among(const recon::BvhMotion& bvh, const std::vector<int>& spine, const BvhSkeleton& skeleton) {
-  for (const Joint arm : {Joint::upper_arm_left, Joint::upper_arm_right})
-    for (int j = skeleton.joint[index(arm)]; j >= 0; j = bvh.joints[static_cast<std::size_t>(j)].parent)
-      if (const auto found = std::find(spine.begin(), spine.end(), j); found != spine.end())
-        return static_cast<std::size_t>(found - spine.begin());
-  return spine.size() - 1;
-}
-
-// Of a spine of several joints the one that carries the arms is our chest, one amid those below our spine; where neck
-// and head are called spine too (Blender's Rigify) they are what goes on above.
-void take_spine(const recon::BvhMotion& bvh, const std::vector<int>& spine, BvhSkeleton& skeleton) {
-  if (spine.empty()) return;
-  const std::size_t chest = chest_among(bvh, spine, skeleton);
-  skeleton.joint[index(Joint::chest)] = spine[chest];
-  if (chest > 0) skeleton.joint[index(Joint::spine)] = spine[chest / 2];
-  const std::size_t above = spine.size() - 1 - chest;
-  if (skeleton.has(Joint::head) || above == 0) return;
-  skeleton.joint[index(Joint::head)] = spine.back();
-  if (!skeleton.has(Joint::neck) && above > 1) skeleton.joint[index(Joint::neck)] = spine[chest + 1];
-}
-
-void map_joints(const recon::BvhMotion& bvh, BvhSkeleton& skeleton) {
-  std::vector<std::string> names;
-  std::vector<int> parents;
-  for (const auto& joint : bvh.joints) {
-    names.push_back(joint.is_end_site ? "" : joint.name);
-    parents.push_back(joint.parent);
-  }
-  const auto named = name_joints(names, parents);
-  std::vector<int> spine;
-  skeleton.joint.fill(-1);
-  const auto set = [&](Joint ours, std::size_t theirs) {
-    if (!skeleton.has(ours)) skeleton.joint[index(ours)] = static_cast<int>(theirs);
-  };
-  for (std::size_t j = 0; j < named.size(); ++j) {
-    if (!named[j]) continue;
-    if (named[j]->segment == BodySegment::pelvis) set(Joint::pelvis, j);
-    if (named[j]->segment == BodySegment::spine) spine.push_back(static_cast<int>(j));
-    if (named[j]->segment == BodySegment::neck) set(Joint::neck, j);
-    if (named[j]->segment == BodySegment::head) set(Joint::head, j);
-    if (const auto limb = limb_joint(*named[j]); limb && named[j]->side) set(on_side(*limb, *named[j]->side), j);
-  }
-  take_spine(bvh, spine, skeleton);
-}
-
-void require_joints(const recon::BvhMotion& bvh, const std::string& name, const BvhSkeleton& skeleton) {
-  for (const auto ours : {Joint::pelvis, Joint::thigh_left, Joint::thigh_right, Joint::shank_left, Joint::shank_right,
-                          Joint::foot_left, Joint::foot_right, Joint::chest}) {
-    if (skeleton.has(ours)) continue;
-    std::vector<std::string> names;
-    for (const auto& joint : bvh.joints)
-      if (!joint.is_end_site && names.size() < 40) names.push_back(joint.name);
-    throw InvalidInput(fmt::format("{}: none of its joints is named like the {}; they are: {}", name, to_string(ours),
-                                   fmt::join(names, ", ")));
-  }
-}
-
-class Placed {
- public:
-  Placed(const BvhSkeleton& skeleton, const std::vector<Isometry3d>& joints) : skeleton_(skeleton), joints_(joints) {}
-  Vector3d at(Joint ours) const { return joints_[skeleton_.of(ours)].translation(); }
-  Vector3d to_left() const { return at(Joint::thigh_left) - at(Joint::thigh_right); }
-  Vector3d ankles() const { return 0.5 * (at(Joint::foot_left) + at(Joint::foot_right)); }
-  Vector3d head() const {
-    return at(skeleton_.has(Joint::head) ? Joint::head : skeleton_.has(Joint::neck) ? Joint::neck : Joint::chest);
-  }
-  Vector3d to_head() const { return head() - ankles(); }
-  // The legs run down, the head is above, left is left: within 45 degrees.
-  bool stands(const Vector3d& up) const {
-    const auto along = [&](const Vector3d& v) { return v.dot(up) / std::max(v.norm(), 1e-12); };
-    for (const Side side : {Side::left, Side::right}) {
-      const Vector3d knee = at(on_side(Joint::shank_left, side));
-      if (along(at(on_side(Joint::thigh_left, side)) - knee) < 0.7) return false;
-      if (along(knee - at(on_side(Joint::foot_left, side))) < 0.7) return false;
-    }
-    // Bones that all run along one axis have the head below the hips.
-    const Vector3d hips = 0.5 * (at(Joint::thigh_left) + at(Joint::thigh_right));
-    return along(head() - hips) > 0.7 && std::abs(along(to_left())) < 0.5 && to_left().norm() > 0.02 * to_head().norm();
-  }
-
- private:
-  const BvhSkeleton& skeleton_;
-  const std::vector<Isometry3d>& joints_;
-};
-
-Vector3d nearest_axis(const Vector3d& v) {
-  Eigen::Index axis = 0;
-  v.cwiseAbs().maxCoeff(&axis);
-  return Vector3d::Unit(axis) * (v[axis] < 0.0 ? -1.0 : 1.0);
-}
-
-Vector3d mean_to_head(const recon::BvhMotion& bvh, const BvhSkeleton& skeleton) {
-  constexpr std::size_t kMoments = 100;
-  Vector3d sum = Vector3d::Zero();
-  for (std::size_t i = 0; i < kMoments; ++i)
-    sum += Placed(skeleton, recon::joint_transforms(bvh, i * bvh.frames / kMoments)).to_head().normalized();
-  return sum;
-}
-
-// Rows: forward, left, up. Left is an axis of the file's where it is nearly one: hips are never quite even.
-Matrix3d axes_from(const Vector3d& up, Vector3d left) {
-  left = (left - up * up.dot(left)).normalized();
-  if (left.dot(nearest_axis(left)) > std::cos(0.35)) left = nearest_axis(left);
-  Matrix3d world_from_file;
-  world_from_file << left.cross(up).transpose(), left.transpose(), up.transpose();
-  return world_from_file;
-}
-
-void find_axes(const recon::BvhMotion& bvh, const std::string& name, BvhSkeleton& skeleton) {
-  const auto zero = recon::zero_pose(bvh), first = recon::joint_transforms(bvh, 0);
-  const Placed at_zero(skeleton, zero), at_first(skeleton, first);
-  Vector3d up = nearest_axis(at_zero.to_head());
-  skeleton.zero_pose_stands = at_zero.stands(up);
-  if (!skeleton.zero_pose_stands) up = nearest_axis(mean_to_head(bvh, skeleton));
-  const Vector3d left = skeleton.zero_pose_stands ? at_zero.to_left() : at_first.to_left();
-  if ((left - up * up.dot(left)).norm() < 1e-9 * std::max(1.0, left.norm()))
-    throw InvalidInput(name + ": its hips lie above each other: which way it faces cannot be told");
-  skeleton.world_from_file = axes_from(up, left);
-  Eigen::Index axis = 0;
-  up.cwiseAbs().maxCoeff(&axis);
-  skeleton.notes.push_back(fmt::format("{}{} is up; {}", up[axis] < 0.0 ? "-" : "", "xyz"[axis],
-                                       skeleton.zero_pose_stands
-                                           ? "its zero pose stands and is taken for ours"
-                                           : "nobody stands in its zero pose: bones and bends seen in the motion are"));
-}
-
-void measure(const recon::BvhMotion& bvh, const std::string& name, BvhSkeleton& skeleton) {
-  const auto first = recon::joint_transforms(bvh, 0);
-  const Placed placed(skeleton, first);
-  for (const Side side : {Side::left, Side::right}) {
-    const Vector3d knee = placed.at(on_side(Joint::shank_left, side));
-    skeleton.leg += 0.5 * ((placed.at(on_side(Joint::thigh_left, side)) - knee).norm() +
-                           (knee - placed.at(on_side(Joint::foot_left, side))).norm());
-  }
-  if (!(skeleton.leg > 1e-6)) throw InvalidInput(name + ": its legs have no length");
-  constexpr Plausible kLeg{0.55, 1.15};  // a child's, a very tall man's
-  const auto unit = unit_of(skeleton.leg, kLeg, FileOf::motion);
-  skeleton.notes.push_back(unit ? fmt::format("in {}: its leg is {:.2f} m", unit->name, skeleton.leg * unit->metres)
-                                : fmt::format("in an unknown unit: its leg is {:.3g} of it", skeleton.leg));
+// Fingers aside, both skeletons call their joints alike.
+int counterpart(const recon::BvhJoints& found, Joint ours) {
+  for (std::size_t j = 0; j < recon::kBodyJoints; ++j)
+    if (recon::to_string(recon::body_joint(j)) == to_string(ours)) return found.joint[j];
+  if (ours == Joint::toes_left) return found.toes[0];
+  if (ours == Joint::toes_right) return found.toes[1];
+  return -1;
 }
 
 }  // namespace
 
 BvhSkeleton find_skeleton(const recon::BvhMotion& bvh, const std::string& name) {
+  const auto found = recon::find_joints(bvh, name);
   BvhSkeleton skeleton;
-  map_joints(bvh, skeleton);
-  require_joints(bvh, name, skeleton);
-  find_axes(bvh, name, skeleton);
-  measure(bvh, name, skeleton);
-  std::vector<std::string> unused;
-  for (std::size_t j = 0; j < bvh.joints.size(); ++j)
-    if (!bvh.joints[j].is_end_site &&
-        std::find(skeleton.joint.begin(), skeleton.joint.end(), static_cast<int>(j)) == skeleton.joint.end())
-      unused.push_back(bvh.joints[j].name);
-  if (!unused.empty()) skeleton.notes.push_back(fmt::format("not used: {}", fmt::join(unused, ", ")));
-  std::vector<std::string_view> still;
-  for (std::size_t j = 0; j < index(Joint::toes_right) + 1; ++j)
-    if (const auto ours = static_cast<Joint>(j);
-        skeleton.joint[j] < 0 &&
-        (to_string(ours).find("1_") == std::string_view::npos && to_string(ours).find("2_") == std::string_view::npos))
-      still.push_back(to_string(ours));
-  if (!still.empty()) skeleton.notes.push_back(fmt::format("no counterpart, kept still: {}", fmt::join(still, ", ")));
+  for (std::size_t j = 0; j < kJoints; ++j) skeleton.joint[j] = counterpart(found, static_cast<Joint>(j));
+  skeleton.world_from_file = found.world_from_file;
+  skeleton.zero_pose_stands = found.zero_pose_stands;
+  skeleton.leg = found.leg;
+  skeleton.notes = found.notes;
   return skeleton;
 }
 

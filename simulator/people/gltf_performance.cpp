@@ -8,10 +8,10 @@
 #include <numbers>
 
 #include "config/errors.h"
+#include "recon/body/length_unit.h"
 #include "simulator/people/fingerprint.h"
 #include "simulator/people/footfall.h"
 #include "simulator/people/gltf_surface.h"
-#include "simulator/people/length_unit.h"
 
 namespace rotunda::simulator {
 namespace {
@@ -21,6 +21,8 @@ using Eigen::AlignedBox3d;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Eigen::Vector3f;
+using recon::BodySegment;
+using recon::NamedJoint;
 
 // glTF: y up, facing +z; ours: z up, facing +x.
 Affine3d standard_axes() {
@@ -164,7 +166,7 @@ std::vector<std::optional<NamedJoint>> GltfPerformance::named_joints() const {
     names.push_back(joint.name);
     parents.push_back(joint.parent);
   }
-  return name_joints(names, parents);
+  return recon::name_joints(names, parents);
 }
 
 // Up runs from the feet to the head, left from the right thigh or shoulder to the left one: if both can be told and lie
@@ -172,6 +174,7 @@ std::vector<std::optional<NamedJoint>> GltfPerformance::named_joints() const {
 void GltfPerformance::orient() {
   const auto named = named_joints();
   const auto rest = simulator::state_at(character_, nullptr, 0.0);
+  using recon::Side;
   const auto where = [&](BodySegment segment, std::optional<Side> side) -> std::optional<Vector3d> {
     for (std::size_t j = named.size(); j-- > 0;)  // of a neck or spine of several joints the uppermost
       if (named[j] && named[j]->segment == segment && named[j]->side == side)
@@ -198,9 +201,9 @@ void GltfPerformance::orient() {
 }
 
 void GltfPerformance::scale() {
-  constexpr Plausible kPerson{0.5, 2.6};
+  constexpr recon::Plausible kPerson{0.5, 2.6};
   const double height = box_of(transformed(world_from_file_, in_file(state_at(0.0)))).sizes().maxCoeff();
-  if (const auto unit = unit_of(height, kPerson, FileOf::surface)) {
+  if (const auto unit = recon::unit_of(height, kPerson, recon::FileOf::surface)) {
     world_from_file_ = Eigen::Scaling(unit->metres) * world_from_file_;
     if (unit->metres != 1.0) notes_.push_back(fmt::format("{:.3g} units high: taken as {}", height, unit->name));
     return;
@@ -261,8 +264,9 @@ std::vector<HeelStrike> GltfPerformance::heel_strikes() const {
   std::array<std::size_t, 2> foot{};
   std::array<Vector3d, 2> heel;
   for (const Side side : {Side::left, Side::right}) {
+    const auto named_side = side == Side::left ? recon::Side::left : recon::Side::right;
     const auto found = std::find_if(named.begin(), named.end(), [&](const auto& joint) {
-      return joint && joint->segment == BodySegment::foot && joint->side == side;
+      return joint && joint->segment == BodySegment::foot && joint->side == named_side;
     });
     if (found == named.end()) return {};
     foot[at(side)] = static_cast<std::size_t>(found - named.begin());

@@ -2,8 +2,8 @@
 // Anyone's glTF character in one of its clips. It stands on the floor, its clip centred on the stage, facing +x; a file
 // in centimetres, inches or millimetres, or lying on its side, is told by the size and the names of its joints and set
 // right. A clip whose end meets its beginning is stretched by less than half an act frame so that it closes exactly.
+#include "recon/body/joint_names.h"
 #include "simulator/people/gltf_character.h"
-#include "simulator/people/joint_names.h"
 #include "simulator/people/performance.h"
 
 namespace rotunda::simulator {
@@ -31,7 +31,7 @@ class GltfPerformance : public Performance {
   double clip_seconds(double seconds) const;
   CharacterState state_at(double seconds) const;
   std::vector<Eigen::Vector3f> in_file(const CharacterState& state) const;  // all vertices of all parts
-  std::vector<std::optional<NamedJoint>> named_joints() const;
+  std::vector<std::optional<recon::NamedJoint>> named_joints() const;
   Eigen::Vector3d heel_in_foot(std::size_t joint) const;
   void time_clip();
   void collect_joints();

@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "config/errors.h"
-#include "simulator/people/joint_names.h"
+#include "recon/body/joint_names.h"
 
 namespace rotunda::simulator {
 namespace {
@@ -17,6 +17,7 @@ using Eigen::AngleAxisd;
 using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
+using recon::BodySegment;
 using recon::BvhChannel;
 using testing::Contains;
 using testing::HasSubstr;
@@ -270,8 +271,9 @@ TEST_F(BvhMotionTest, TellsWhatItCannotUse) {
 }
 
 TEST(JointNames, KnowsWhatPeopleCallThem) {
+  using recon::Side;
   const auto segment = [](const std::vector<std::string>& names, std::size_t j) {
-    const auto named = name_joints(names, std::vector<int>(names.size(), -1));
+    const auto named = recon::name_joints(names, std::vector<int>(names.size(), -1));
     return named[j]
                ? static_cast<int>(named[j]->segment) * 10 + (named[j]->side ? 1 + static_cast<int>(*named[j]->side) : 0)
                : -1;

@@ -2,7 +2,7 @@
 // In which unit somebody's file is, told by a length of a body in it.
 #include <optional>
 
-namespace rotunda::simulator {
+namespace rotunda::recon {
 
 struct LengthUnit {
   double metres;
@@ -18,4 +18,4 @@ struct Plausible {
 };
 std::optional<LengthUnit> unit_of(double length, const Plausible& plausible, FileOf kind);
 
-}  // namespace rotunda::simulator
+}  // namespace rotunda::recon

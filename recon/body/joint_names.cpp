@@ -1,9 +1,10 @@
-#include "simulator/people/joint_names.h"
+#include "recon/body/joint_names.h"
 
 #include <algorithm>
 #include <cctype>
+#include <string_view>
 
-namespace rotunda::simulator {
+namespace rotunda::recon {
 namespace {
 
 // A word for a segment. Where several joints of a side fit, the lowest rank is meant.
@@ -180,4 +181,4 @@ Named name_joints(const std::vector<std::string>& names, const std::vector<int>&
   return Namer(names, parents).name();
 }
 
-}  // namespace rotunda::simulator
+}  // namespace rotunda::recon

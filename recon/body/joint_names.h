@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "simulator/people/skeleton.h"
+namespace rotunda::recon {
 
-namespace rotunda::simulator {
+enum class Side { left, right };
 
 enum class BodySegment : std::uint8_t {
   pelvis,
@@ -37,4 +37,4 @@ struct NamedJoint {
 std::vector<std::optional<NamedJoint>> name_joints(const std::vector<std::string>& names,
                                                    const std::vector<int>& parents);
 
-}  // namespace rotunda::simulator
+}  // namespace rotunda::recon

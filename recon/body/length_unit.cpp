@@ -1,9 +1,9 @@
-#include "simulator/people/length_unit.h"
+#include "recon/body/length_unit.h"
 
 #include <algorithm>
 #include <array>
 
-namespace rotunda::simulator {
+namespace rotunda::recon {
 namespace {
 
 struct Row {
@@ -32,4 +32,4 @@ std::optional<LengthUnit> unit_of(double length, const Plausible& plausible, Fil
   return found != kUnits.end() ? std::optional(found->unit) : std::nullopt;
 }
 
-}  // namespace rotunda::simulator
+}  // namespace rotunda::recon
