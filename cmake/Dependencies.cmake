@@ -18,6 +18,7 @@ pkg_check_modules(FFMPEG REQUIRED IMPORTED_TARGET libavformat libavcodec libavut
 pkg_check_modules(EGL REQUIRED IMPORTED_TARGET egl glesv2)
 pkg_check_modules(XXHASH REQUIRED IMPORTED_TARGET libxxhash)
 pkg_check_modules(LIBZIP REQUIRED IMPORTED_TARGET libzip)
+pkg_check_modules(HWY REQUIRED IMPORTED_TARGET libhwy)
 pkg_check_modules(LIBUSB REQUIRED IMPORTED_TARGET libusb-1.0)
 pkg_check_modules(CAIRO REQUIRED cairo-pdf cairo-svg cairo-png)
 find_package(ZLIB REQUIRED)
@@ -37,6 +38,13 @@ foreach(module core imgproc imgcodecs calib3d aruco video)
   set_target_properties(opencv::${module} PROPERTIES IMPORTED_LOCATION ${OPENCV_${module}_LIBRARY}
     INTERFACE_INCLUDE_DIRECTORIES ${OPENCV_INCLUDE_DIR})
 endforeach()
+
+# SuiteSparse comes without a pkg-config file.
+find_path(CHOLMOD_INCLUDE_DIR suitesparse/cholmod.h REQUIRED)
+find_library(CHOLMOD_LIBRARY cholmod REQUIRED)
+add_library(rotunda_cholmod INTERFACE)
+target_include_directories(rotunda_cholmod SYSTEM INTERFACE ${CHOLMOD_INCLUDE_DIR})
+target_link_libraries(rotunda_cholmod INTERFACE ${CHOLMOD_LIBRARY})
 
 # Debian's yaml-cpp 0.7 and OpenMesh export plain names and variables; give them one spelling.
 add_library(rotunda_yaml INTERFACE)
