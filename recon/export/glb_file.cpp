@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <fstream>
 #include <limits>
 #include <system_error>
@@ -12,12 +13,20 @@
 namespace rotunda::recon {
 namespace {
 
-constexpr int kFloat = 5126, kUnsignedInt = 5125;  // glTF's names are OpenGL's
+constexpr int kFloat = 5126, kUnsignedInt = 5125, kUnsignedShort = 5123,
+              kUnsignedByte = 5121;  // glTF's names are OpenGL's
 
 std::string word(std::size_t value) {  // little-endian
   std::string bytes;
   for (int shift = 0; shift < 32; shift += 8) bytes.push_back(static_cast<char>((value >> shift) & 0xff));
   return bytes;
+}
+
+// 8-bit sRGB to linear light, 16 bits (IEC 61966-2-1).
+std::uint16_t linear_light(std::uint8_t value) {
+  const double s = value / 255.0;
+  const double linear = s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);
+  return static_cast<std::uint16_t>(std::lround(65535.0 * linear));
 }
 
 }  // namespace
@@ -89,6 +98,39 @@ std::size_t GlbFile::add_scalars(const std::vector<float>& scalars) {
   return accessor;
 }
 
+std::size_t GlbFile::add_rotations(const std::vector<Eigen::Vector4f>& quaternions) {
+  const auto view = add_view(quaternions.data(), quaternions.size() * sizeof(quaternions[0]), kNone);
+  return add_accessor(view, kFloat, "VEC4", quaternions.size());
+}
+
+std::size_t GlbFile::add_colours(const std::vector<Colour>& colours) {
+  std::vector<std::array<std::uint16_t, 4>> linear;
+  for (const auto& colour : colours) {
+    auto& texel = linear.emplace_back();
+    for (std::size_t i = 0; i < 3; ++i) texel[i] = linear_light(colour[i]);
+    texel[3] = 65535;
+  }
+  const auto view = add_view(linear.data(), linear.size() * sizeof(linear[0]), kVertices);
+  const auto accessor = add_accessor(view, kUnsignedShort, "VEC4", linear.size());
+  json["accessors"][accessor]["normalized"] = true;
+  return accessor;
+}
+
+std::size_t GlbFile::add_joints(const std::vector<std::array<std::uint8_t, 4>>& joints) {
+  const auto view = add_view(joints.data(), joints.size() * sizeof(joints[0]), kVertices);
+  return add_accessor(view, kUnsignedByte, "VEC4", joints.size());
+}
+
+std::size_t GlbFile::add_weights(const std::vector<Eigen::Vector4f>& weights) {
+  const auto view = add_view(weights.data(), weights.size() * sizeof(weights[0]), kVertices);
+  return add_accessor(view, kFloat, "VEC4", weights.size());
+}
+
+std::size_t GlbFile::add_matrices(const std::vector<Eigen::Matrix4f>& matrices) {
+  const auto view = add_view(matrices.data(), matrices.size() * sizeof(matrices[0]), kNone);
+  return add_accessor(view, kFloat, "MAT4", matrices.size());
+}
+
 std::size_t GlbFile::add_png(const std::vector<std::uint8_t>& png) {
   json["images"].push_back({{"bufferView", add_view(png.data(), png.size(), kNone)}, {"mimeType", "image/png"}});
   return json["images"].size() - 1;
@@ -105,6 +147,14 @@ std::size_t GlbFile::add_unlit_material(std::size_t image) {
                                 {{"baseColorTexture", {{"index", json["textures"].size() - 1}}},
                                  {"metallicFactor", 0.0},
                                  {"roughnessFactor", 1.0}}},
+                               {"extensions", {{"KHR_materials_unlit", nlohmann::json::object()}}}});
+  return json["materials"].size() - 1;
+}
+
+std::size_t GlbFile::add_plain_material() {
+  json["extensionsUsed"] = {"KHR_materials_unlit"};
+  json["materials"].push_back({{"pbrMetallicRoughness", {{"metallicFactor", 0.0}, {"roughnessFactor", 1.0}}},
+                               {"doubleSided", true},
                                {"extensions", {{"KHR_materials_unlit", nlohmann::json::object()}}}});
   return json["materials"].size() - 1;
 }

@@ -1,12 +1,15 @@
 #pragma once
 // Private to recon/export: a binary glTF 2.0 file as it grows: arrays go into one buffer, the JSON tells what they are.
 #include <Eigen/Core>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
+
+#include "recon/mesh/triangle_mesh.h"
 
 namespace rotunda::recon {
 
@@ -21,11 +24,19 @@ class GlbFile {
   std::size_t add_rotations(const std::vector<Eigen::Vector4f>& rotations);  // of an animation, x y z w
   std::size_t add_texture_coordinates(const std::vector<Eigen::Vector2f>& coordinates);
   std::size_t add_indices(const std::vector<std::uint32_t>& indices);
-  std::size_t add_scalars(const std::vector<float>& scalars);  // with min and max
-  std::size_t add_png(const std::vector<std::uint8_t>& png);   // an image
+  std::size_t add_scalars(const std::vector<float>& scalars);                  // with min and max
+  std::size_t add_rotations(const std::vector<Eigen::Vector4f>& quaternions);  // x y z w, of an animation
+  std::size_t add_colours(const std::vector<Colour>& colours);  // of vertices; made linear light, as glTF has them
+  std::size_t add_joints(const std::vector<std::array<std::uint8_t, 4>>& joints);
+  std::size_t add_weights(const std::vector<Eigen::Vector4f>& weights);
+  std::size_t add_matrices(const std::vector<Eigen::Matrix4f>& matrices);  // bind matrices of a skin
+  std::size_t add_png(const std::vector<std::uint8_t>& png);               // an image
 
   // A material that shows an image as it is, the light being in it already.
   std::size_t add_unlit_material(std::size_t image);
+
+  // One that is as bright as its vertices' colours say, without a light.
+  std::size_t add_plain_material();
 
   nlohmann::json json;
 
