@@ -109,6 +109,7 @@ int run_rotunda(int argc, const char* const* argv) {
   add_mocap_command(line);
   add_render_commands(line);
   add_export_command(line);
+  add_animate_command(line);
   try {
     line.app.parse(argc, argv);
     return line.run ? line.run(interrupt.token()) : static_cast<int>(kUsage);

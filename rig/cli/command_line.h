@@ -36,6 +36,7 @@ void add_mocap_command(CommandLine& line);                          // mocap
 void add_render_commands(CommandLine& line);                        // render, play, show
 void add_character_commands(CommandLine& line);                     // character ...
 void add_export_command(CommandLine& line);                         // export
+void add_animate_command(CommandLine& line);                        // animate
 void add_doctor_command(CommandLine& line);                         // doctor
 void add_tui_command(CommandLine& line);                            // tui
 

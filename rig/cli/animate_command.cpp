@@ -1,0 +1,194 @@
+// rotunda animate: anyone's motion on anyone's scan.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "config/errors.h"
+#include "config/exit_code.h"
+#include "config/progress.h"
+#include "playback/render/animation_film.h"
+#include "recon/export/animation_export.h"
+#include "recon/mesh/mesh_file.h"
+#include "rig/cli/command_line.h"
+#include "rig/cli/frame_range.h"
+
+namespace rotunda::rig {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+struct AnimateArguments {
+  fs::path motion, scan, markers, output, write_markers;
+  std::string to, frames;
+  bool as_paper = false, trust_angles = false;
+};
+
+recon::BodyMotion read_motion(const AnimateArguments& arguments) {
+  if (fs::is_directory(arguments.motion))
+    throw InvalidInput(arguments.motion.string() +
+                       " is a take: capture its motion first (rotunda mocap) and animate with the .bvh");
+  const recon::BvhImportOptions options{.name = arguments.motion.filename().string(),
+                                        .trust_angles = arguments.trust_angles};
+  auto motion = recon::import_bvh(recon::read_bvh(arguments.motion), options);
+  if (arguments.frames.empty()) return motion;
+  const auto [first, end] = frame_range(arguments.frames);
+  const auto last = std::min(end, motion.poses.size());
+  if (first >= last)
+    throw InvalidInput(
+        fmt::format("frames {} are not in the motion, which has 0:{}", arguments.frames, motion.poses.size()));
+  motion.poses = {motion.poses.begin() + static_cast<std::ptrdiff_t>(first),
+                  motion.poses.begin() + static_cast<std::ptrdiff_t>(last)};
+  return motion;
+}
+
+// How good a fit must be for its markers to be trusted: half of the surface within 15 mm of the template, and no more
+// than two fifths that belongs to nothing (skirts, hair, what a person holds).
+void judge(const recon::TemplateFit& fit) {
+  if (fit.distance < 0.015 && fit.far_share < 0.4) return;
+  throw InvalidInput(fmt::format(
+      "the body template does not fit the scan: half of it is farther than {:.0f} mm away, {:.0f} % belongs to no part "
+      "of the body. Scan the person in an A- or T-pose, alone, in close clothes; or place markers by hand (--markers)",
+      1000.0 * fit.distance, 100.0 * fit.far_share));
+}
+
+recon::Markers markers_for(const AnimateArguments& arguments, const recon::PreparedScan& scan) {
+  if (!arguments.markers.empty()) {
+    auto markers = recon::read_markers(arguments.markers);
+    if (!markers.fit) markers.fit = recon::fit_template(scan.mesh);
+    return markers;
+  }
+  const auto fit = recon::fit_template(scan.mesh);
+  judge(fit);
+  return recon::propose_markers(scan.mesh, scan.from_triangle, fit);
+}
+
+recon::AnimationFormat format_of(const AnimateArguments& arguments) {
+  if (arguments.to == "skin") return recon::AnimationFormat::skin;
+  if (arguments.to == "morph") return recon::AnimationFormat::morph;
+  return recon::AnimationFormat::pc2;
+}
+
+// What the file's name asks for where --to does not.
+std::string kind_of(const AnimateArguments& arguments) {
+  const auto extension = arguments.output.extension();
+  const std::string by_name = extension == ".glb"                          ? "skin"
+                              : extension == ".obj"                        ? "pc2"
+                              : extension == ".png" || extension == ".mp4" ? "film"
+                                                                           : "";
+  if (by_name.empty()) throw InvalidInput(arguments.output.string() + ": write a .glb, .obj (with .pc2), .png or .mp4");
+  if (arguments.to.empty()) return by_name;
+  if ((arguments.to == "pc2") != (by_name == "pc2") || by_name == "film")
+    throw InvalidInput(fmt::format("--to {} is for {}", arguments.to, arguments.to == "pc2" ? ".obj" : ".glb"));
+  return arguments.to;
+}
+
+void tell(const std::vector<std::string>& notes, const fs::path& about, bool as_json) {
+  for (const auto& note : notes)
+    if (!as_json) fmt::print("{}: {}\n", about.string(), note);
+}
+
+void report(const recon::AnimationExportReport& report, const AnimateArguments& arguments,
+            const recon::ScanAnimation& animation, double bind_s, const json& notes, bool as_json) {
+  if (as_json) {
+    fmt::print("{}\n", json{{"output", arguments.output.string()},
+                            {"frames", report.frames},
+                            {"vertices", report.vertices},
+                            {"triangles", report.triangles},
+                            {"bytes", report.bytes},
+                            {"bind_s", bind_s},
+                            {"deform_s", report.deform_s},
+                            {"drift_mm", 1000.0 * report.drift},
+                            {"volume", {report.least_volume, report.most_volume}},
+                            {"skin_rms_mm", 1000.0 * report.skin_rms},
+                            {"skin_worst_mm", 1000.0 * report.skin_worst},
+                            {"template_distance_mm", 1000.0 * animation.fit().distance},
+                            {"notes", notes}}
+                           .dump(2));
+    return;
+  }
+  fmt::print("{}: {} frames of {} triangles, {:.1f} MB\n", arguments.output.string(), report.frames, report.triangles,
+             static_cast<double>(report.bytes) / 1e6);
+  fmt::print("bound in {:.1f} s, {:.0f} frames a second; markers drift {:.1f} mm, volume {:+.1f} to {:+.1f} %\n",
+             bind_s, static_cast<double>(report.frames) / std::max(report.deform_s, 1e-9), 1000.0 * report.drift,
+             100.0 * (report.least_volume - 1.0), 100.0 * (report.most_volume - 1.0));
+  if (report.skin_worst > 0.0)
+    fmt::print("the skin is {:.1f} mm (rms) from the surface, {:.0f} mm at the worst; --to morph is exact\n",
+               1000.0 * report.skin_rms, 1000.0 * report.skin_worst);
+}
+
+int animate(const CommandLine& line, const AnimateArguments& arguments, std::stop_token stop) {
+  const std::string kind = kind_of(arguments);
+  const auto motion = read_motion(arguments);
+  tell(motion.notes, arguments.motion, line.json);
+  auto scan = recon::prepare_scan(recon::read_mesh(arguments.scan));
+  tell(scan.notes, arguments.scan, line.json);
+  json notes = motion.notes;
+  for (const auto& note : scan.notes) notes.push_back(note);
+  const auto markers = markers_for(arguments, scan);
+  if (!arguments.write_markers.empty())
+    recon::write_markers(arguments.write_markers, markers, arguments.scan.filename().string());
+  const auto start = std::chrono::steady_clock::now();
+  recon::ScanAnimation animation(std::move(scan), markers, {.as_paper = arguments.as_paper});
+  const double bind_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  tell(animation.notes(), arguments.scan, line.json);
+  const auto poses = animation.handle_poses(motion);
+  Progress bar("animate");
+  const auto progress = [&](std::size_t done, std::size_t total) { bar.update(done, total); };
+  if (kind == "film") {
+    playback::write_animation_film(
+        animation, poses,
+        {.output = arguments.output, .frame_time = motion.frame_time, .progress = progress, .stop = stop});
+    return kDone;
+  }
+  AnimateArguments chosen = arguments;
+  chosen.to = kind;
+  const auto done = recon::export_animation(animation, poses,
+                                            {.format = format_of(chosen),
+                                             .output = arguments.output,
+                                             .frame_time = motion.frame_time,
+                                             .progress = progress,
+                                             .stop = stop});
+  report(done, arguments, animation, bind_s, notes, line.json);
+  return kDone;
+}
+
+}  // namespace
+
+void add_animate_command(CommandLine& line) {
+  auto arguments = std::make_shared<AnimateArguments>();
+  auto* app = line.app.add_subcommand("animate", "moves a body scan as somebody moved");
+  app->add_option("--motion", arguments->motion, "FILE.bvh: anyone's motion capture")
+      ->required()
+      ->check(CLI::ExistingPath);
+  app->add_option("--scan", arguments->scan, "FILE.ply or .obj: a person in an A- or T-pose, any size of mesh")
+      ->required()
+      ->check(CLI::ExistingFile);
+  app->add_option("--markers", arguments->markers,
+                  "pairs of triangles, as --write-markers writes them; else found by fitting a body to the scan")
+      ->check(CLI::ExistingFile);
+  app->add_option("--write-markers", arguments->write_markers, "write the markers used, to be edited");
+  app->add_option("-o,--output", arguments->output,
+                  "FILE.glb, FILE.obj (with FILE.pc2), FILE.mp4, or FILE.png: a sheet")
+      ->required();
+  app->add_option("--to", arguments->to,
+                  "skin (a .glb's default: small, its error is told), morph (.glb: exact, large), pc2 (.obj: exact)")
+      ->check(CLI::IsMember({"skin", "morph", "pc2"}));
+  app->add_option("--frames", arguments->frames, "A:B of the motion, half-open, counted from 0");
+  app->add_flag("--paper", arguments->as_paper,
+                "as de Aguiar et al. 2007: nothing held in place but by least squares, volume left to itself");
+  app->add_flag("--trust-angles", arguments->trust_angles,
+                "take a BVH's angles as degrees though they look like radians");
+  app->footer(
+      "Examples:\n  rotunda animate --motion dance.bvh --scan scan.ply -o dance.glb\n"
+      "  rotunda animate --motion dance.bvh --scan scan.ply --write-markers markers.yaml -o dance.mp4\n"
+      "  rotunda animate --motion dance.bvh --scan scan.ply --markers markers.yaml --to pc2 -o dance.obj");
+  app->callback([&line, arguments] {
+    line.run = [&line, arguments](std::stop_token stop) { return animate(line, *arguments, std::move(stop)); };
+  });
+}
+
+}  // namespace rotunda::rig

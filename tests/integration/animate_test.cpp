@@ -1,0 +1,62 @@
+// A scan moved by somebody's motion: the simulator's person and act, through files, as people would do it.
+#include <algorithm>
+#include <fstream>
+
+#include "simulator/people/person.h"
+#include "tests/integration/house_test.h"
+#include "tests/support/act_bvh.h"
+
+namespace rotunda::tests {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::HasSubstr;
+
+class Animate : public HouseTest {
+ protected:
+  void SetUp() override {
+    HouseTest::SetUp();
+    const auto person = simulator::make_person("anna");
+    auto motion = simulator::motion_of("kick", person.skeleton);
+    motion.frames = std::min(motion.frames, 12);
+    recon::write_bvh(file("kick.bvh"), act_bvh(person.skeleton, motion));
+    const auto scan = run("rotunda-sim", {"--scan", "alex", "--triangles", "6000", "-o", file("scan.ply")});
+    ASSERT_EQ(scan.exit_code, 0) << scan.err;
+  }
+  std::string file(const char* name) const { return (folder() / name).string(); }
+};
+
+TEST_F(Animate, MovesAnyScanWithoutAClickAndKeepsItsMarkersForPeople) {
+  const auto moved = rotunda({"animate", "--motion", file("kick.bvh"), "--scan", file("scan.ply"), "--write-markers",
+                              file("markers.yaml"), "-o", file("kick.glb"), "--json"});
+  ASSERT_EQ(moved.exit_code, 0) << moved.err;
+  EXPECT_THAT(moved.out, AllOf(HasSubstr("\"frames\": 12"), HasSubstr("drift_mm")));
+  EXPECT_GT(fs::file_size(file("kick.glb")), 100'000U);
+  const auto again = rotunda({"animate", "--motion", file("kick.bvh"), "--scan", file("scan.ply"), "--markers",
+                              file("markers.yaml"), "-o", file("kick.obj")});
+  ASSERT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_TRUE(fs::exists(file("kick.pc2")));
+}
+
+TEST_F(Animate, RefusesWhatCannotBeMovedAndSaysWhatToDo) {
+  std::ofstream(file("points.ply")) << "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
+                                       "property float z\nelement face 0\nproperty list uchar int vertex_indices\n"
+                                       "end_header\n0 0 0\n";
+  const auto points =
+      rotunda({"animate", "--motion", file("kick.bvh"), "--scan", file("points.ply"), "-o", file("x.glb")});
+  EXPECT_EQ(points.exit_code, 3);
+  EXPECT_THAT(points.err, HasSubstr("no triangles"));
+  std::ofstream(file("bad.yaml")) << "markers:\n  - {number: 1, template: 4, scan: 900000}\n";
+  const auto markers = rotunda({"animate", "--motion", file("kick.bvh"), "--scan", file("scan.ply"), "--markers",
+                                file("bad.yaml"), "-o", file("x.glb")});
+  EXPECT_EQ(markers.exit_code, 3);
+  EXPECT_THAT(markers.err, HasSubstr("the scan has no triangle 900000"));
+  std::ofstream(file("cut.bvh")) << "HIERARCHY\nROOT Hips\n{\nOFFSET 0 0 0\n";
+  const auto cut = rotunda({"animate", "--motion", file("cut.bvh"), "--scan", file("scan.ply"), "-o", file("x.glb")});
+  EXPECT_EQ(cut.exit_code, 3);
+  EXPECT_FALSE(fs::exists(file("x.glb")));
+}
+
+}  // namespace
+}  // namespace rotunda::tests
