@@ -17,7 +17,7 @@
 #include "playback/display/headless.h"
 #include "playback/player.h"
 #include "playback/render/film_writer.h"
-#include "playback/render/geometry_image_renderer.h"
+#include "playback/render/frame_painter.h"
 #include "playback/render/orbit_film.h"
 #include "playback/viewpoint.h"
 #include "recon/live_take.h"
@@ -41,7 +41,8 @@ struct RenderArguments {
   std::string clip, view, frames;
   std::vector<int> size;        // width, height
   std::vector<int> background;  // red, green, blue
-  bool orbit = false;
+  bool orbit = false, view_dependent = false;
+  std::optional<fs::path> calibration;
   std::optional<std::size_t> frame;
   double turns = 1.0;
   fs::path output, script;
@@ -86,6 +87,16 @@ int tell(const CommandLine& line, const recon::StageClock& clock, const fs::path
   return finished ? kDone : kDoneWithLoss;
 }
 
+std::unique_ptr<playback::FramePainter> painter_for(const CommandLine& line, const RenderArguments& arguments,
+                                                    recon::GeometryVideoReader& video) {
+  if (!arguments.view_dependent) return playback::stored_painter(video);
+  if (fs::is_regular_file(arguments.clip))
+    throw InvalidInput(arguments.clip +
+                       " is a geometry video alone; --view-dependent draws with the pictures of its "
+                       "take: name the take instead");
+  return playback::view_dependent_painter(video, find_take(line, arguments.clip), arguments.calibration);
+}
+
 int render_orbit(const CommandLine& line, const RenderArguments& arguments, recon::GeometryVideoReader& video,
                  std::stop_token stop) {
   playback::OrbitFilmOptions options;
@@ -97,6 +108,7 @@ int render_orbit(const CommandLine& line, const RenderArguments& arguments, reco
   options.turns = arguments.turns;
   options.background = background_of(arguments);
   options.stop = stop;
+  const auto painter = painter_for(line, arguments, video);
   playback::FilmOptions film_options{.width = options.width, .height = options.height, .fps = video.header().fps};
   if (options.background) film_options.background = *options.background;
   const auto film = playback::make_film_writer(arguments.output, film_options);
@@ -107,20 +119,19 @@ int render_orbit(const CommandLine& line, const RenderArguments& arguments, reco
     laps.lap();
     bar.update(static_cast<std::size_t>(done), static_cast<std::size_t>(all));
   };
-  playback::render_orbit(video, options, *film);
+  playback::render_orbit(video, *painter, options, *film);
   return tell(line, clock, arguments.output, !stop.stop_requested());
 }
 
-cv::Mat draw(playback::GeometryImageRenderer& renderer, const playback::Viewpoint& viewpoint,
-             const recon::GeometryImage& image, const std::optional<recon::Colour>& background) {
+cv::Mat draw(playback::FramePainter& painter, const playback::Viewpoint& viewpoint,
+             const std::optional<recon::Colour>& background) {
   // Drawn twice as large and averaged: edges get their share of alpha.
   constexpr int kSupersampling = 2;
   auto larger = playback::magnified(viewpoint, kSupersampling);
   const playback::RenderTarget target(larger.width, larger.height);
   target.bind();
   playback::clear(background);
-  renderer.upload(image);
-  renderer.draw(larger);
+  painter.draw(larger);
   return playback::reduce(target.read_rgba(), kSupersampling);
 }
 
@@ -145,17 +156,17 @@ int render_view(const CommandLine& line, const RenderArguments& arguments, recon
         fmt::format("{} holds one picture, {} frames are asked for; add --frame N, or name a folder or "
                     "film.mp4 with -o",
                     arguments.output.string(), end - first));
+  const auto painter = painter_for(line, arguments, video);
   std::unique_ptr<playback::FilmWriter> film;
   if (!one_picture)
     film = playback::make_film_writer(
         arguments.output, {.width = viewpoint.width, .height = viewpoint.height, .fps = video.header().fps});
-  playback::GeometryImageRenderer renderer;
   recon::StageClock clock;
   Progress bar("rendering");
   for (int frame = first; frame < end && !stop.stop_requested(); ++frame) {
-    const auto image = video.read(frame);
     clock.run("render", [&] {
-      const auto picture = draw(renderer, viewpoint, image, background);
+      painter->show(frame);
+      const auto picture = draw(*painter, viewpoint, background);
       if (film)
         film->write(picture);
       else
@@ -210,6 +221,8 @@ int render(const CommandLine& line, RenderArguments arguments, std::stop_token s
         fmt::format("{} is no character: scripts are for folders that rotunda character build made", arguments.clip));
   if (arguments.orbit && (!arguments.view.empty() || arguments.frame))
     throw InvalidInput("--orbit goes round by itself; leave --view and --frame out");
+  if (arguments.calibration && !arguments.view_dependent)
+    throw InvalidInput("--calibration says where the take's cameras stand; it goes with --view-dependent");
   recon::GeometryVideoReader video(find_video(line, arguments.clip));
   if (arguments.output.empty()) arguments.output = arguments.orbit ? "orbit.mp4" : "view.png";
   const playback::HeadlessDisplay display;
@@ -295,6 +308,10 @@ void add_render(CommandLine& line) {
       ->delimiter('x')
       ->expected(2)
       ->check(CLI::Range(16, 16384));
+  app->add_flag("--view-dependent", arguments->view_dependent,
+                "of a take: in the colours of its own pictures, mixed anew for every viewpoint");
+  app->add_option("--calibration", arguments->calibration,
+                  "of --view-dependent: what the take was reconstructed with, if not its own");
   app->add_option("--background", arguments->background, "R,G,B; else PNG pictures have straight alpha")
       ->delimiter(',')
       ->expected(3)
@@ -303,7 +320,10 @@ void add_render(CommandLine& line) {
   app->footer(
       "Examples:\n  rotunda render demo --orbit -o orbit.mp4\n"
       "  rotunda render demo --view calibration.yaml:cam03 --frame 12 -o view.png\n"
-      "  rotunda render alex --script performance.yaml -o performance.mp4\n"
+      "  rotunda render demo --orbit --view-dependent -o orbit.mp4
+"
+      "  rotunda render alex --script performance.yaml -o performance.mp4
+"
       "A script: - {at: 1.0, state: walk}, - {at: 3.5, turn_deg: 40}, - {at: 5.0, speed: 1.6}, a line each.");
   app->callback([&line, arguments] {
     line.run = [&line, arguments](std::stop_token stop) { return render(line, *arguments, std::move(stop)); };

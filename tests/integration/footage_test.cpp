@@ -6,6 +6,7 @@
 #include <fstream>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "capture/calibration_file.h"
 #include "capture/picture.h"
@@ -150,6 +151,39 @@ TEST_F(Footage, ComesBackInTheCamerasOwnViews) {
     const cv::Mat matte = capture::read_grey(mattes / camera / "frame000001.png");
     EXPECT_GE(overlap(alpha >= 128, matte >= 128), 0.9) << camera;  // cells of 30 mm on a ball of 1 m
   }
+}
+
+TEST_F(Footage, IsDrawnInItsOwnPicturesColours) {
+  ASSERT_EQ(import("ball").exit_code, 0);
+  ASSERT_EQ(recon("ball").exit_code, 0);
+  const auto picture = folder() / "view.png";
+  const auto rendered = rotunda({"render", "ball", "--view", calibration().string() + ":cam00", "--frame", "1",
+                                 "--view-dependent", "-o", picture.string()});
+  ASSERT_EQ(rendered.exit_code, 0) << rendered.err;
+  const cv::Mat drawn = cv::imread(picture.string(), cv::IMREAD_UNCHANGED);
+  ASSERT_EQ(drawn.channels(), 4);
+  cv::Mat bgr, inside, alpha;
+  cv::cvtColor(drawn, bgr, cv::COLOR_BGRA2BGR);
+  cv::extractChannel(drawn, alpha, 3);
+  cv::erode(alpha == 255, inside, cv::Mat::ones(9, 9, CV_8UC1));  // away from the outline
+  const double rms = cv::norm(bgr, cv::imread(picture_file("cam00", 1).string()), cv::NORM_L2, inside) /
+                     std::sqrt(3.0 * cv::countNonZero(inside));
+  EXPECT_LT(rms, 6.0);  // it is that camera's picture: stripes of the stored colours, 30 mm apart, miss it by 30
+
+  // Without its take there are no pictures, and nothing is left where a folder of them was asked for.
+  const auto clip = takes() / "ball" / "recon" / "geometry.mkv", nothing = folder() / "nothing";
+  const auto refused = rotunda({"render", clip.string(), "--view", calibration().string() + ":cam00",
+                                "--view-dependent", "-o", nothing.string()});
+  EXPECT_EQ(refused.exit_code, 3);
+  EXPECT_THAT(refused.err, AllOf(HasSubstr("geometry.mkv"), HasSubstr("take")));
+  EXPECT_FALSE(fs::exists(nothing));
+  auto fewer = cameras_;
+  fewer.pop_back();
+  capture::write_calibration(folder() / "fewer.yaml", fewer);
+  const auto lacking = rotunda({"render", "ball", "--view-dependent", "--frame", "0", "--calibration",
+                                (folder() / "fewer.yaml").string(), "-o", picture.string()});
+  EXPECT_EQ(lacking.exit_code, 3);
+  EXPECT_THAT(lacking.err, AllOf(HasSubstr("cam05"), HasSubstr("fewer.yaml")));
 }
 
 TEST_F(Footage, IsReconstructedFurtherAfterCtrlC) {
