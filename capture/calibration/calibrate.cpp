@@ -321,7 +321,10 @@ void refuse_another_board(const BoardSearch& search, const BoardPictures& pictur
   if (!search.sightings.empty() && instead.empty()) return;
   throw InvalidInput(fmt::format("the board was found in {} of {} pictures: {}", search.sightings.size(),
                                  pictures.cameras.size() * pictures.moments.size(),
-                                 instead.empty() ? "neither markers nor a chessboard are to be seen" : instead));
+                                 instead.empty()
+                                     ? "neither markers nor a chessboard are to be recognised: bring the board nearer "
+                                       "(its squares 15 pixels or more), hold it still, the whole of it in the picture"
+                                     : instead));
 }
 
 }  // namespace
