@@ -19,22 +19,14 @@ using Eigen::Vector3f;
 // Frames in memory at a time: a few batches of any vector unit.
 constexpr std::size_t kChunk = 32;
 
-// Of a surface with holes the volume depends on where it is counted from; its middle moves with it.
-double volume_about_middle(TriangleMesh mesh) {
-  Vector3f middle = Vector3f::Zero();
-  for (const auto& p : mesh.positions) middle += p / static_cast<float>(mesh.positions.size());
-  for (auto& p : mesh.positions) p -= middle;
-  return signed_volume(mesh);
-}
-
 class Frames {
  public:
   Frames(ScanAnimation& animation, std::span<const HandlePose> poses, const AnimationExportOptions& options)
-      : animation_(animation), poses_(poses), options_(options), rest_volume_(volume_about_middle(animation.rest())) {
+      : animation_(animation), poses_(poses), options_(options), rest_volume_(signed_volume(animation.rest())) {
     report.frames = poses.size() / kBodySegments;
     report.vertices = animation.rest().positions.size();
     report.triangles = animation.rest().triangles.size();
-    report.least_volume = std::numeric_limits<double>::max();
+    report.has_volume = topology_of(animation.rest()).closed;
   }
 
   // take(frame, positions) for every frame in order.
@@ -55,7 +47,7 @@ class Frames {
       for (std::size_t f = 0; f < count; ++f) {
         const std::span<const Vector3f> frame(positions.data() + f * report.vertices, report.vertices);
         posed.positions.assign(frame.begin(), frame.end());
-        const double volume = volume_about_middle(posed) / rest_volume_;
+        const double volume = !report.has_volume ? 1.0 : signed_volume(posed) / rest_volume_;
         report.least_volume = std::min(report.least_volume, volume);
         report.most_volume = std::max(report.most_volume, volume);
         take(first + f, frame);

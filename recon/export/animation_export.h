@@ -30,7 +30,8 @@ struct AnimationExportReport {
   std::uintmax_t bytes = 0;
   double skin_rms = 0.0, skin_worst = 0.0;       // metres, of the skinned surface from the deformed one; skin only
   double drift = 0.0;                            // metres, the worst held vertex
-  double least_volume = 0.0, most_volume = 0.0;  // of a frame's volume against the scan's: 1 is the same
+  bool has_volume = false;                       // the scan is closed
+  double least_volume = 1.0, most_volume = 1.0;  // then: of a frame's volume against the scan's
   double deform_s = 0.0;                         // wall, of all frames
 };
 

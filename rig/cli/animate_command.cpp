@@ -102,7 +102,7 @@ void report(const recon::AnimationExportReport& report, const AnimateArguments& 
                             {"bind_s", bind_s},
                             {"deform_s", report.deform_s},
                             {"drift_mm", 1000.0 * report.drift},
-                            {"volume", {report.least_volume, report.most_volume}},
+                            {"volume", report.has_volume ? json{report.least_volume, report.most_volume} : json()},
                             {"skin_rms_mm", 1000.0 * report.skin_rms},
                             {"skin_worst_mm", 1000.0 * report.skin_worst},
                             {"template_distance_mm", 1000.0 * animation.fit().distance},
@@ -112,9 +112,11 @@ void report(const recon::AnimationExportReport& report, const AnimateArguments& 
   }
   fmt::print("{}: {} frames of {} triangles, {:.1f} MB\n", arguments.output.string(), report.frames, report.triangles,
              static_cast<double>(report.bytes) / 1e6);
-  fmt::print("bound in {:.1f} s, {:.0f} frames a second; markers drift {:.1f} mm, volume {:+.1f} to {:+.1f} %\n",
-             bind_s, static_cast<double>(report.frames) / std::max(report.deform_s, 1e-9), 1000.0 * report.drift,
-             100.0 * (report.least_volume - 1.0), 100.0 * (report.most_volume - 1.0));
+  fmt::print("bound in {:.1f} s, {:.0f} frames a second; markers drift {:.1f} mm\n", bind_s,
+             static_cast<double>(report.frames) / std::max(report.deform_s, 1e-9), 1000.0 * report.drift);
+  if (report.has_volume)
+    fmt::print("volume {:+.1f} to {:+.1f} %\n", 100.0 * (report.least_volume - 1.0),
+               100.0 * (report.most_volume - 1.0));
   if (report.skin_worst > 0.0)
     fmt::print("the skin is {:.1f} mm (rms) from the surface, {:.0f} mm at the worst; --to morph is exact\n",
                1000.0 * report.skin_rms, 1000.0 * report.skin_worst);
