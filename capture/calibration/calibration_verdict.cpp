@@ -94,11 +94,12 @@ void judge_counts(const std::string& name, bool kept_intrinsics, CameraQuality& 
   if (few || narrow || names_where(quality.coverage, false).size() > 2)
     quality.advice.push_back(seen_where(name, quality));
   if (narrow) {
-    quality.advice.push_back(
-        fmt::format("{}: no corner lies farther out than {:.0f} % of the picture's radius, so its lens is known to "
-                    "{:.1f} px only at "
-                    "the rim: bring the board into the corners of its picture",
-                    name, 100.0 * quality.coverage.outermost_radius, quality.deviation.rim_px));
+    const double rim = quality.deviation.rim_px;
+    quality.advice.push_back(fmt::format(
+        "{}: no corner lies farther out than {:.0f} % of the picture's radius, so its lens is {} at the rim: "
+        "bring the board into the corners of its picture",
+        name, 100.0 * quality.coverage.outermost_radius,
+        rim > 0.0 ? fmt::format("known to {:.1f} px only", rim) : "a guess"));
     quality.verdict = worse(quality.verdict, Verdict::usable);
   }
   if (few) quality.verdict = worse(quality.verdict, Verdict::usable);
