@@ -98,11 +98,6 @@ std::size_t GlbFile::add_scalars(const std::vector<float>& scalars) {
   return accessor;
 }
 
-std::size_t GlbFile::add_rotations(const std::vector<Eigen::Vector4f>& quaternions) {
-  const auto view = add_view(quaternions.data(), quaternions.size() * sizeof(quaternions[0]), kNone);
-  return add_accessor(view, kFloat, "VEC4", quaternions.size());
-}
-
 std::size_t GlbFile::add_colours(const std::vector<Colour>& colours) {
   std::vector<std::array<std::uint16_t, 4>> linear;
   for (const auto& colour : colours) {

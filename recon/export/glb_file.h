@@ -24,8 +24,7 @@ class GlbFile {
   std::size_t add_rotations(const std::vector<Eigen::Vector4f>& rotations);  // of an animation, x y z w
   std::size_t add_texture_coordinates(const std::vector<Eigen::Vector2f>& coordinates);
   std::size_t add_indices(const std::vector<std::uint32_t>& indices);
-  std::size_t add_scalars(const std::vector<float>& scalars);                  // with min and max
-  std::size_t add_rotations(const std::vector<Eigen::Vector4f>& quaternions);  // x y z w, of an animation
+  std::size_t add_scalars(const std::vector<float>& scalars);   // with min and max
   std::size_t add_colours(const std::vector<Colour>& colours);  // of vertices; made linear light, as glTF has them
   std::size_t add_joints(const std::vector<std::array<std::uint8_t, 4>>& joints);
   std::size_t add_weights(const std::vector<Eigen::Vector4f>& weights);

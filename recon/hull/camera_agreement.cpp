@@ -9,8 +9,10 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <utility>
 
 #include "config/errors.h"
+#include "recon/hull/epipolar_tangents.h"
 
 namespace rotunda::recon {
 namespace {
@@ -28,60 +30,12 @@ constexpr double kCalibrated = 0.3;    // pixels that each camera of a good cali
 constexpr double kLargestTurn = 0.05;  // radians sought, three degrees
 constexpr double kLeastNoise = 0.15;   // pixels: what outlines are known to
 constexpr double kOutlineError = 1.0;  // pixels that mattes may be too wide or too narrow
-constexpr double kWidestPencil = 2.6;  // radians: beyond, the epipole lies in the outline or just beside it
 constexpr double kRejected = 3.0;      // of the noise's deviation
 constexpr int kSteps = 3;              // of Gauss and Newton at each scale
-
-double focal_px(const CameraModel& camera) {
-  return std::sqrt(std::abs(camera.K.topLeftCorner<2, 2>().determinant()));
-}
 
 Eigen::Matrix3d rotation(const Eigen::Vector3d& turn) {
   const double angle = turn.norm();
   return angle > 0.0 ? Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix() : Eigen::Matrix3d::Identity();
-}
-
-// The planes through two cameras' centres: an angle about the line between them, counted from u towards v.
-struct Pencil {
-  Eigen::Vector3d u, v;
-};
-
-Pencil pencil_of(const CameraModel& a, const CameraModel& b, const Eigen::Vector3d& towards) {
-  const Eigen::Vector3d along = (b.centre() - a.centre()).normalized();
-  const Eigen::Vector3d u = (towards - along * along.dot(towards)).normalized();
-  return {u, along.cross(u)};
-}
-
-// A plane of the pencil that touches an outline: its angle, and what that changes by.
-struct Tangent {
-  double angle = 0.0;
-  Eigen::Vector2d at{0.0, 0.0};                        // where it touches, ideal plane
-  double per_pixel = 0.0;                              // that the touching point moves across the tangent
-  Eigen::Vector3d per_turn = Eigen::Vector3d::Zero();  // of the camera, in its own frame
-};
-struct Tangents {
-  Tangent lowest, highest;
-};
-
-Tangent tangent_at(const CameraModel& camera, const Eigen::Vector2d& corner, const Pencil& pencil) {
-  const Eigen::Vector3d y = corner.homogeneous(), ray = camera.R.transpose() * y;
-  const double a = ray.dot(pencil.u), b = ray.dot(pencil.v);
-  // In the camera's frame; a mirrored world's turns come out right as they are taken after it.
-  const Eigen::Vector3d gradient = camera.R * (pencil.v * a - pencil.u * b) / (a * a + b * b);
-  return {std::atan2(b, a), corner, gradient.head<2>().norm() / focal_px(camera), gradient.cross(y)};
-}
-
-std::optional<Tangents> tangents(const CameraModel& camera, const ConvexOutline& outline, const Pencil& pencil) {
-  const Eigen::Vector3d u = camera.R * pencil.u, v = camera.R * pencil.v;
-  double lowest = 10.0, highest = -10.0;
-  Eigen::Vector2d at_lowest, at_highest;
-  for (const auto& corner : outline.corners) {
-    const double angle = std::atan2(corner.homogeneous().dot(v), corner.homogeneous().dot(u));
-    if (angle < lowest) lowest = angle, at_lowest = corner;
-    if (angle > highest) highest = angle, at_highest = corner;
-  }
-  if (!(highest - lowest < kWidestPencil)) return std::nullopt;
-  return Tangents{tangent_at(camera, at_lowest, pencil), tangent_at(camera, at_highest, pencil)};
 }
 
 bool is_whole(const ConvexOutline& outline) {

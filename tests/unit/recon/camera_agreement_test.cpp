@@ -14,10 +14,10 @@ namespace {
 
 using capture::CameraModel;
 
-constexpr int kFrames = 6;
+constexpr int kFrames = 5;
 
 std::vector<CameraModel> rig(int cameras) {
-  return simulator::camera_layout({.cameras = cameras, .width = 240, .height = 192, .k1 = -0.15, .k2 = 0.04});
+  return simulator::camera_layout({.cameras = cameras, .width = 200, .height = 160});
 }
 
 double focal(const CameraModel& camera) {
@@ -27,7 +27,7 @@ double focal(const CameraModel& camera) {
 // Somebody who walks a step a frame.
 tests::CapsuleBody walker(int frame) {
   auto body = tests::person();
-  const Eigen::Vector3d step(0.08 * (frame - kFrames / 2), 0.05 * frame - 0.1, 0.0);
+  const Eigen::Vector3d step(0.12 * (frame - kFrames / 2), 0.06 * frame - 0.1, 0.0);
   for (auto& capsule : body) capsule.a += step, capsule.b += step;
   return body;
 }
@@ -35,7 +35,7 @@ tests::CapsuleBody walker(int frame) {
 std::vector<OutlinesOverTime> seen_by(const std::vector<CameraModel>& cameras, bool walks = true) {
   std::vector<OutlinesOverTime> outlines(cameras.size());
   for (int frame = 0; frame < kFrames; ++frame) {
-    const auto mattes = tests::mattes_of(walker(walks ? frame : 0), cameras);
+    const auto mattes = tests::mattes_of(walker(walks ? frame : kFrames / 2), cameras);
     for (std::size_t i = 0; i < cameras.size(); ++i) outlines[i].push_back(convex_outline(cameras[i], mattes[i]));
   }
   return outlines;
@@ -100,13 +100,13 @@ TEST(CameraAgreement, OfAStillPerformerOnlyWhatIsGrossIsTold) {
   const auto calibrated = rig(8);
   auto now = calibrated;
   now[3] = knocked(now[3], 0.0, 4.0, 0.0);
-  now[6] = knocked(now[6], 0.0, 14.0, 0.0);
+  now[1] = knocked(now[1], 14.0, 0.0, 0.0);
   const auto shifts = camera_shifts(calibrated, seen_by(now, /*walks=*/false));
-  ASSERT_TRUE(shifts[3] && shifts[6]);
+  ASSERT_TRUE(shifts[3] && shifts[1]);
   EXPECT_TRUE(shifts[3]->still);
   EXPECT_FALSE(shifts[3]->moved);
   EXPECT_NEAR(shifts[3]->shift_px, 4.0, 1.0);
-  EXPECT_TRUE(shifts[6]->moved);
+  EXPECT_TRUE(shifts[1]->moved);
 }
 
 TEST(CameraAgreement, NothingIsToldWhereNothingCanBe) {
@@ -135,7 +135,7 @@ TEST(ConvexOutline, LiesOnTheBallsOutlineAndTellsWhatIsCut) {
     EXPECT_LT(std::abs(off_m) * focal(cameras[0]) / to.norm(), 0.15) << "pixels";
   }
   EXPECT_TRUE(convex_outline(cameras[0], tests::matte_of(tests::ball({0.0, 0.0, 2.1}, 0.5), cameras[0])).is_cut);
-  EXPECT_TRUE(convex_outline(cameras[0], {cv::Mat::zeros(192, 240, CV_8UC1)}).corners.empty());
+  EXPECT_TRUE(convex_outline(cameras[0], {cv::Mat::zeros(160, 200, CV_8UC1)}).corners.empty());
   EXPECT_THROW(convex_outline(cameras[0], {cv::Mat::zeros(10, 10, CV_8UC1)}), InvalidInput);
 }
 
