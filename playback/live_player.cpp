@@ -47,6 +47,7 @@ void press(LiveStage& stage, LiveControl& control, Key key) {
       return;
     case Key::next:
     case Key::previous:
+    case Key::help:
       return;
   }
 }

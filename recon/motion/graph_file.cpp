@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
+#include <cctype>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <numbers>
-#include <regex>
+#include <set>
 #include <sstream>
 #include <system_error>
 
@@ -33,9 +35,14 @@ constexpr const char* kHead =
 
 // A name as YAML takes it: quoted unless it is plain.
 std::string scalar(const std::string& text) {
-  static const std::regex plain("[A-Za-z_][A-Za-z0-9_-]*"),
-      word("true|false|yes|no|on|off|null|y|n", std::regex::icase);
-  return std::regex_match(text, plain) && !std::regex_match(text, word) ? text : nlohmann::json(text).dump();
+  static const std::set<std::string> words{"true", "false", "yes", "no", "on", "off", "null", "y", "n"};
+  const auto is_letter = [](unsigned char c) { return std::isalpha(c) != 0 || c == '_'; };
+  const auto is_plain = [&](unsigned char c) { return is_letter(c) || std::isdigit(c) != 0 || c == '-'; };
+  std::string lower;
+  for (const unsigned char c : text) lower += static_cast<char>(std::tolower(c));
+  const bool plain = !text.empty() && is_letter(static_cast<unsigned char>(text.front())) &&
+                     std::all_of(text.begin(), text.end(), is_plain) && words.count(lower) == 0;
+  return plain ? text : nlohmann::json(text).dump();
 }
 
 const char* word_of(Side side) {

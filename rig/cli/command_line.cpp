@@ -107,7 +107,8 @@ int run_rotunda(int argc, const char* const* argv) {
   add_recon_commands(line);
   add_character_commands(line);
   add_mocap_command(line);
-  add_render_commands(line);
+  add_render_command(line);
+  add_play_commands(line);
   add_export_command(line);
   add_animate_command(line);
   try {

@@ -1,0 +1,157 @@
+// rotunda play, show: takes, geometry videos, characters and the rig live, in a window; what they hold.
+#include <fmt/format.h>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "capture/picture.h"
+#include "config/errors.h"
+#include "config/exit_code.h"
+#include "playback/character_window.h"
+#include "playback/contact_sheet.h"
+#include "playback/player.h"
+#include "recon/live_take.h"
+#include "recon/motion/character.h"
+#include "recon/take_studio.h"
+#include "recon/video/geometry_video.h"
+#include "rig/cli/character_report.h"
+#include "rig/cli/clip_choice.h"
+#include "rig/cli/command_line.h"
+#include "rig/cli/live_view.h"
+#include "rig/client.h"
+
+namespace rotunda::rig {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+// A take that is not reconstructed yet is shown as the daemon left it: at live quality.
+std::optional<fs::path> only_live_surfaces(const CommandLine& line, const std::string& clip) {
+  if (fs::is_regular_file(clip) || recon::is_character(clip)) return std::nullopt;
+  const auto take = find_take(line, clip);
+  const auto live = recon::live_take_file(take);
+  return fs::exists(live) && !fs::exists(recon::geometry_video_of(take)) ? std::optional(live) : std::nullopt;
+}
+
+int play_character(const CommandLine& line, const fs::path& character, const playback::PlayOptions& options) {
+  const auto report = playback::play_character(character, recon::open_character(character), options);
+  if (line.json)
+    fmt::print(
+        "{}\n",
+        json{{"pictures", report.pictures}, {"seconds", report.seconds}, {"load_s", report.load_seconds}}.dump(2));
+  return kDone;
+}
+
+int play(const CommandLine& line, const std::string& clip, playback::PlayOptions options, std::stop_token stop) {
+  if (recon::is_character(clip)) {
+    options.stop = std::move(stop);
+    return play_character(line, clip, options);
+  }
+  recon::GeometryVideoReader video(find_video(line, clip));
+  options.stop = std::move(stop);
+  const auto report = playback::play(video, options);
+  if (line.json)
+    fmt::print("{}\n", json{{"pictures", report.pictures},
+                            {"frames", report.frames},
+                            {"late", report.late},
+                            {"seconds", report.seconds}}
+                           .dump(2));
+  return kDone;
+}
+
+json header_report(const recon::GeometryVideoHeader& header) {
+  json failed = json::array();
+  for (int i = 0; i < header.frame_count(); ++i)
+    if (header.statuses[static_cast<std::size_t>(i)].interpolated)
+      failed.push_back(
+          {{"frame", header.first_frame + i}, {"reason", header.statuses[static_cast<std::size_t>(i)].reason}});
+  return {{"frames", header.frame_count()}, {"first_frame", header.first_frame},   {"fps", header.fps},
+          {"level", header.level},          {"colour_level", header.colour_level}, {"interpolated", failed}};
+}
+
+int show(const CommandLine& line, const std::string& clip, const fs::path& picture, std::size_t frame) {
+  if (recon::is_character(clip)) return show_character(line, {clip, picture, {}});
+  if (!picture.empty() && !fs::is_regular_file(clip)) {
+    capture::write_png(picture, playback::contact_sheet(find_take(line, clip), {.frame = frame}));
+    if (!line.json) fmt::print("{}\n", picture.string());
+    return kDone;
+  }
+  recon::GeometryVideoReader video(find_video(line, clip));
+  if (!picture.empty()) capture::write_png(picture, playback::clip_sheet(video));
+  const auto report = header_report(video.header());
+  if (line.json)
+    fmt::print("{}\n", report.dump(2));
+  else
+    fmt::print("{} frames from {} on at {} Hz, level {}, {} interpolated\n", video.frame_count(),
+               video.header().first_frame, video.header().fps, video.header().level, report["interpolated"].size());
+  return kDone;
+}
+
+void add_play(CommandLine& line) {
+  auto clip = std::make_shared<std::string>();
+  auto options = std::make_shared<playback::PlayOptions>();
+  auto live = std::make_shared<LiveViewRequest>();
+  auto* app = line.app.add_subcommand(
+      "play", "plays a take's geometry video or the rig live, or steers a character, in a window");
+  auto* what = app->add_option_group("what");
+  what->require_option(1);
+  what->add_option("clip", *clip, "a take, by name or path, a geometry video's file, or a character's folder");
+  auto is_live = std::make_shared<bool>(false);
+  auto* live_flag = what->add_flag("--live", *is_live, "the surfaces that the daemon makes while cameras run");
+  app->add_flag("--fullscreen", options->fullscreen, "fill the screen");
+  auto* picture =
+      app->add_option("--picture", live->picture,
+                      "of live surfaces: write the newest, or the take's middle one, as a PNG; needs no display");
+  app->add_option("--surfaces", live->surfaces, "so many come before the picture is written")
+      ->needs(picture)
+      ->needs(live_flag)
+      ->check(CLI::PositiveNumber);
+  app->footer(
+      "A take that is not reconstructed yet is shown at live quality, as the daemon made it after the take.\n"
+      "Keys: space pauses, arrows and mouse go round, + - zoom, . , step, g grey, q ends.\n"
+      "Of a character: 1 to 9 states and actions, arrows turn it and its speed, F1 tells all.\n"
+      "Examples:\n  rotunda play demo\n  rotunda play --live");
+  app->callback([&line, clip, options, live, is_live] {
+    line.run = [&line, clip, options, live, is_live](std::stop_token stop) {
+      live->fullscreen = options->fullscreen;
+      live->json = line.json;
+      if (!*is_live) {
+        if (const auto surfaces = only_live_surfaces(line, *clip))
+          return show_live_take(*surfaces, *live, std::move(stop));
+        if (!live->picture.empty())
+          throw InvalidInput(*clip + " is reconstructed; for a picture of it: rotunda render " + *clip +
+                             " -o view.png");
+        return play(line, *clip, *options, std::move(stop));
+      }
+      live->socket = daemon_socket(line.daemon);
+      return show_live(*live, std::move(stop));
+    };
+  });
+}
+
+void add_show(CommandLine& line) {
+  auto clip = std::make_shared<std::string>();
+  auto picture = std::make_shared<fs::path>();
+  auto frame = std::make_shared<std::size_t>(0);
+  auto* app = line.app.add_subcommand(
+      "show", "what a geometry video or a character holds; a take, or its frames, as a picture");
+  app->add_option("clip", *clip, "a take, by name or path, or a geometry video's file")->required();
+  app->add_option("--picture", *picture, "write a contact sheet of the take, or frames of the geometry video (PNG)");
+  app->add_option("--frame", *frame, "of the contact sheet")->capture_default_str();
+  app->footer(
+      "Examples:\n  rotunda show demo --picture contact.png\n"
+      "  rotunda show takes/demo/recon/geometry.mkv --picture frames.png");
+  app->callback([&line, clip, picture, frame] {
+    line.run = [&line, clip, picture, frame](std::stop_token) { return show(line, *clip, *picture, *frame); };
+  });
+}
+
+}  // namespace
+
+void add_play_commands(CommandLine& line) {
+  add_play(line);
+  add_show(line);
+}
+
+}  // namespace rotunda::rig
