@@ -70,9 +70,13 @@ SearchedVolume volume_of(const FrameViews& views, const StudioViews& studio, con
   return volume;
 }
 
-SurfaceOptions surface_options(const SearchedVolume& volume, const std::string& unit) {
+// Cells are coarse already, and a reduced outline has fewer points.
+SurfaceOptions surface_options(const FrameViews& views, const SearchedVolume& volume, const std::string& unit) {
   auto surface = live_surface({.bounds = volume.bounds, .cell_size = volume.cell_size, .unit = unit});
-  surface.coarseness = 1.0;  // the cells are coarse already
+  surface.coarseness = 1.0;
+  int reduction = 1;
+  for (const auto& camera : views.cameras) reduction = std::max(reduction, reduction_of(camera, volume));
+  surface.rim_stride = std::max(1, surface.rim_stride / reduction);
   return surface;
 }
 
@@ -99,7 +103,8 @@ LiveFrame reconstruct_live(const capture::FrameSet& frame_set, const StudioViews
   const auto volume = volume_of(frame.views, studio, options, frame.failure);
   if (!frame.failure.empty()) return frame;
   const auto views = clock.run("silhouette", [&] { return reduced_views(frame.views, volume); });
-  auto surface = clock.run("surface", [&] { return reconstruct_surface(views, surface_options(volume, studio.unit)); });
+  auto surface = clock.run(
+      "surface", [&] { return reconstruct_surface(views, surface_options(frame.views, volume, studio.unit)); });
   frame.failure = surface.failure;
   if (!frame.failure.empty()) return frame;
   frame.mesh = std::move(surface.mesh);

@@ -148,7 +148,7 @@ TEST(MeshFile, RefusesPromisesAFileCannotKeep) {
   EXPECT_THROW(read_ply(with("4 0 1 2 3", "4 0 1 2 7")), CorruptData);
   EXPECT_THROW(read_ply(with("4 0 1 2 3", "4 0 1 2 -1")), CorruptData);
   EXPECT_THROW(read_ply(with("4 0 1 2 3", "250 0 1 2 3")), CorruptData);
-  EXPECT_THROW(read_ply(folder.path / "absent.ply"), std::system_error);
+  EXPECT_THROW(read_ply(folder.path / "absent.ply"), InvalidInput);
   EXPECT_THROW(write_ply(folder.path / "no" / "such" / "folder.ply", tetrahedron()), std::system_error);
 }
 
