@@ -28,6 +28,7 @@ TEST_F(LiveSurfaces, AreMadeBesideARecordingThatLosesNothingAndAKilledViewerDoes
   const auto sim = start_sim(rig);
   const auto daemon = start_daemon(rig, {"--surfaces"});
   ASSERT_EQ(rotunda({"rig", "live"}).exit_code, 0);
+  wait_for_status([](const json& now) { return now["surfaces"]["made"] >= 1; });  // sanitized, the first takes its time
   const auto viewer = start("rotunda", {"--daemon", socket().string(), "play", "--live", "--picture",
                                         (folder() / "never.png").string(), "--surfaces", "1000000"});
   wait_for_status(watched_by_one);
