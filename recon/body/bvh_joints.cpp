@@ -209,7 +209,7 @@ BvhJoints find_joints(const BvhMotion& bvh, const std::string& name) {
   std::vector<std::string_view> still;
   for (std::size_t j = 0; j < kBodyJoints; ++j)
     if (skeleton.joint[j] < 0) still.push_back(to_string(body_joint(j)));
-  for (const std::size_t side : {0, 1})
+  for (const std::size_t side : {std::size_t{0}, std::size_t{1}})
     if (skeleton.toes[side] < 0) still.push_back(side == 0 ? "toes_left" : "toes_right");
   if (!still.empty()) skeleton.notes.push_back(fmt::format("no counterpart, kept still: {}", fmt::join(still, ", ")));
   return skeleton;
