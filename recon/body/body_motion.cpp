@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "config/errors.h"
+#include "recon/body/bone_frame.h"
 #include "recon/body/bvh_joints.h"
 
 namespace rotunda::recon {
@@ -20,19 +21,6 @@ using enum BodyJoint;
 
 using Matrices = std::array<Matrix3d, kBodyJoints>;
 using Points = std::array<Vector3d, kBodyJoints>;
-
-Matrix3d frame_of(const Vector3d& first, const Vector3d& second) {
-  Matrix3d frame;
-  frame.col(0) = first.normalized();
-  frame.col(1) = (second - frame.col(0) * frame.col(0).dot(second)).normalized();
-  frame.col(2) = frame.col(0).cross(frame.col(1));
-  return frame;
-}
-
-Matrix3d shortest_turn(const Vector3d& from, const Vector3d& to) {
-  if (from.norm() < 1e-9 || to.norm() < 1e-9) return Matrix3d::Identity();
-  return Quaterniond::FromTwoVectors(from, to).toRotationMatrix();
-}
 
 // Limbs and spine are numbered from the trunk outwards.
 BodyJoint end_of(BodyJoint bone) {

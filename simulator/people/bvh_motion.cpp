@@ -6,6 +6,7 @@
 #include <cmath>
 #include <memory>
 
+#include "recon/body/bone_frame.h"
 #include "simulator/people/bvh_skeleton.h"
 #include "simulator/people/footfall.h"
 
@@ -16,20 +17,9 @@ using Eigen::Isometry3d;
 using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
+using recon::frame_of;
+using recon::shortest_turn;
 using Matrices = std::array<Matrix3d, kJoints>;
-
-Matrix3d frame_of(const Vector3d& first, const Vector3d& second) {
-  Matrix3d frame;
-  frame.col(0) = first.normalized();
-  frame.col(1) = (second - frame.col(0) * frame.col(0).dot(second)).normalized();
-  frame.col(2) = frame.col(0).cross(frame.col(1));
-  return frame;
-}
-
-Matrix3d shortest_turn(const Vector3d& from, const Vector3d& to) {
-  if (from.norm() < 1e-9 || to.norm() < 1e-9) return Matrix3d::Identity();
-  return Quaterniond::FromTwoVectors(from, to).toRotationMatrix();
-}
 
 // Where the file's counterparts of our joints are in a frame; world orientation, file's unit.
 struct SourceFrame {
