@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "config/errors.h"
+#include "simulator/studio/light.h"
 
 namespace rotunda::simulator {
 namespace {
@@ -24,6 +25,28 @@ Eigen::Vector3d high_up(double azimuth, const LayoutOptions& options) {
   const double across = options.radius * std::cos(elevation);
   return {across * std::cos(azimuth), across * std::sin(azimuth),
           options.aim_height + options.radius * std::sin(elevation)};
+}
+
+// A lamp stands between the camera and some corner of the stage.
+bool is_behind_a_lamp(const Eigen::Vector3d& centre) {
+  for (int corner = 0; corner < 8; ++corner) {
+    const Eigen::Vector3d way = kStageVolume.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner)) - centre;
+    for (const auto& lamp : lamps())
+      if (const auto hit = hit_lamp(lamp, centre, way.normalized()); hit && hit->distance < way.norm()) return true;
+  }
+  return false;
+}
+
+// Of the high camera `i` of `high`: evenly about the stage, then to the nearest side where it looks past the lamps.
+Eigen::Vector3d high_place(int i, int high, const LayoutOptions& options) {
+  constexpr int kSteps = 64;  // of a turn
+  const double wanted = 2.0 * std::numbers::pi * (i + 0.25) / high;
+  for (int step = 0; step <= kSteps; ++step) {
+    const int side = step % 2 == 0 ? step / 2 : -(step + 1) / 2;
+    const auto centre = high_up(wanted + 2.0 * std::numbers::pi * side / kSteps, options);
+    if (!is_behind_a_lamp(centre)) return centre;
+  }
+  return high_up(wanted, options);
 }
 
 // The longest focal length, to half a percent, that still has the volume in the picture.
@@ -85,9 +108,8 @@ std::vector<capture::CameraModel> camera_layout(const LayoutOptions& options) {
   std::vector<capture::CameraModel> cameras;
   for (int i = 0; i < options.cameras; ++i) {
     const bool is_high = i >= ring;
-    const double azimuth =
-        2.0 * std::numbers::pi * (is_high ? (i - ring + 0.25) / high : static_cast<double>(i) / ring);
-    const Eigen::Vector3d centre = is_high ? high_up(azimuth, options) : on_ring(azimuth, options);
+    const Eigen::Vector3d centre =
+        is_high ? high_place(i - ring, high, options) : on_ring(2.0 * std::numbers::pi * i / ring, options);
     const double fy = options.height * (centre - aim).norm() / options.subject_height;
     auto camera = look_at(centre, aim, options.width, options.height, fy / options.aspect, fy);
     camera.name = fmt::format("cam{:02}", i);

@@ -1,5 +1,6 @@
 #include "simulator/studio/light.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -21,6 +22,22 @@ const std::array<Lamp, kLamps>& lamps() {
                                                  {{-3.1F, -2.6F, 4.1F}, {0.45F, 0.45F, 0.455F}, 1.8F},
                                                  {{0.2F, 0.0F, 4.9F}, {0.30F, 0.295F, 0.29F}, 2.4F}}};
   return kRig;
+}
+
+std::optional<LampHit> hit_lamp(const Lamp& lamp, const Eigen::Vector3d& eye, const Eigen::Vector3d& ray) {
+  using Eigen::Vector3d;
+  const Vector3d place = lamp.place.cast<double>();
+  const Vector3d facing = (Vector3d(0.0, 0.0, 1.0) - place).normalized();
+  const double slope = facing.dot(ray);
+  if (std::abs(slope) < 1e-6) return std::nullopt;
+  const double distance = facing.dot(place - eye) / slope;
+  if (distance <= 0.0) return std::nullopt;
+  const Vector3d off = eye + distance * ray - place;
+  const Vector3d any = std::abs(facing.z()) < 0.9 ? Vector3d::UnitZ() : Vector3d::UnitX();
+  const Vector3d right = any.cross(facing).normalized(), up = facing.cross(right);
+  const double half = 0.5 * static_cast<double>(lamp.size);
+  if (std::abs(off.dot(right)) > half || std::abs(off.dot(up)) > half) return std::nullopt;
+  return LampHit{distance, slope < 0.0};
 }
 
 ArrivingLight arriving_light(const LitPoint& point, SurfaceMaterial material, const Visibility& visibility,

@@ -3,6 +3,7 @@
 // World frame, metres; linear light, in which white paper facing the lamps is about 0.9.
 #include <Eigen/Core>
 #include <array>
+#include <optional>
 
 #include "simulator/studio/material.h"
 #include "simulator/studio/shadow.h"
@@ -15,6 +16,13 @@ struct Lamp {
   float size;              // edge of the soft box, metres
 };
 const std::array<Lamp, kLamps>& lamps();
+
+// Where a ray (of length 1) meets a lamp's soft box, which faces the stage, and whether from its front.
+struct LampHit {
+  double distance;
+  bool from_front;
+};
+std::optional<LampHit> hit_lamp(const Lamp& lamp, const Eigen::Vector3d& eye, const Eigen::Vector3d& ray);
 
 struct LitPoint {
   Eigen::Vector3f position, normal;

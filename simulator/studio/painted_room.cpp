@@ -66,26 +66,6 @@ int walked_cell(double x) {
   return static_cast<int>(std::floor((x + kWalked) / (2.0 * kWalked) * kWalkedCells));
 }
 
-// Where a ray meets a soft box that faces the stage, and whether from its front.
-struct LampHit {
-  double distance;
-  bool from_front;
-};
-std::optional<LampHit> hit_lamp(const Lamp& lamp, const Vector3d& eye, const Vector3d& ray) {
-  const Vector3d place = lamp.place.cast<double>();
-  const Vector3d facing = (Vector3d(0.0, 0.0, 1.0) - place).normalized();
-  const double slope = facing.dot(ray);
-  if (std::abs(slope) < 1e-6) return std::nullopt;
-  const double distance = facing.dot(place - eye) / slope;
-  if (distance <= 0.0) return std::nullopt;
-  const Vector3d off = eye + distance * ray - place;
-  const Vector3d any = std::abs(facing.z()) < 0.9 ? Vector3d::UnitZ() : Vector3d::UnitX();
-  const Vector3d right = any.cross(facing).normalized(), up = facing.cross(right);
-  const double half = 0.5 * static_cast<double>(lamp.size);
-  if (std::abs(off.dot(right)) > half || std::abs(off.dot(up)) > half) return std::nullopt;
-  return LampHit{distance, slope < 0.0};
-}
-
 // Ceiling, curtains and cables in what little light comes back to them.
 Vector3f dark_studio(const Vector3d& ray, std::uint32_t seed) {
   const double fold = 0.6 + 0.4 * solid_noise(Vector3d(std::atan2(ray.y(), ray.x()) * 14.0, ray.z() * 2.0, 0.0), seed);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "config/errors.h"
+#include "simulator/studio/light.h"
 
 namespace rotunda::simulator {
 namespace {
@@ -33,6 +34,17 @@ TEST(CameraLayout, TravellersStayInEveryPictureAndAreTall) {
         EXPECT_LE(rig[i].centre().z(), 4.5 + 1e-9);
       }
     }
+}
+
+TEST(CameraLayout, NoLampHangsBetweenACameraAndTheStage) {
+  for (const int cameras : {5, 10, 16})
+    for (const auto& layout : {LayoutOptions{.cameras = cameras}, travelling_layout({.cameras = cameras})})
+      for (const auto& camera : camera_layout(layout))
+        for (const auto& lamp : lamps()) {
+          const Vector3d way = Vector3d(0.0, 0.0, 1.0) - camera.centre();
+          const auto hit = hit_lamp(lamp, camera.centre(), way.normalized());
+          EXPECT_FALSE(hit && hit->distance < way.norm()) << cameras << " cameras, " << camera.name;
+        }
 }
 
 TEST(CameraLayout, OnTheSpotAPersonIsTallerStill) {
