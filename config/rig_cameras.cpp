@@ -159,7 +159,8 @@ void refuse_twins(const std::vector<CameraConfig>& cameras, const YAML::Node& li
                             fmt::format("\"{}\" is cameras[{}] already; every camera has its own", value, j)});
       };
       if (!cameras[i].name.empty() && cameras[i].name == cameras[j].name) tell("name", cameras[i].name);
-      if (!cameras[i].device.empty() && cameras[i].device == cameras[j].device)
+      const bool of_one_take = cameras[i].source == "replay" && cameras[j].source == "replay";  // told apart by name
+      if (!cameras[i].device.empty() && cameras[i].device == cameras[j].device && !of_one_take)
         tell(cameras[i].find_by, cameras[i].device);
     }
 }

@@ -58,6 +58,16 @@ TEST(LoadRig, TellsEveryMistakeAtOnceWithItsPlace) {
   EXPECT_THAT(text, HasSubstr("volume.min: expected [x, y, z] in metres, found a list"));
 }
 
+TEST(LoadRig, CamerasOfOneTakeAreTheSameFolder) {
+  const std::string take = "trigger: { mode: freerun }\ncamera_defaults: { source: replay }\ncameras:\n";
+  const auto rig =
+      load_rig(written(take + "  - { name: a, address: takes/walk }\n  - { name: b, address: takes/walk }\n"));
+  ASSERT_EQ(rig.cameras.size(), 2U);
+  EXPECT_EQ(rig.cameras[0].device, rig.cameras[1].device);
+  EXPECT_THAT(mistakes_in("cameras:\n  - { name: a, address: 127.0.0.1 }\n  - { name: b, address: 127.0.0.1 }\n"),
+              HasSubstr("cameras[1].address: \"127.0.0.1\" is cameras[0] already"));
+}
+
 TEST(LoadRig, ReadsV4l2CamerasWithTheirControlsInOrder) {
   const auto rig = load_rig(written(
       "camera_defaults: { source: v4l2, pixel_format: YUYV, controls: { gain: 3, auto_exposure: Manual Mode } }\n"
