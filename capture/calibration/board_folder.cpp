@@ -1,8 +1,10 @@
 #include "capture/calibration/board_folder.h"
 
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cctype>
 #include <fstream>
 #include <iterator>
@@ -17,6 +19,8 @@ namespace rotunda::capture {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr std::size_t kMostKept = 512U << 20U;  // bytes
 
 std::string lower_extension(const fs::path& file) {
   std::string extension = file.extension().string();
@@ -84,6 +88,31 @@ bool ends_early(const std::vector<char>& bytes, const fs::path& file) {
   return std::search(bytes.begin(), bytes.end(), kEnd.begin(), kEnd.end()) == bytes.end();
 }
 
+using Pictures = std::vector<std::vector<cv::Mat>>;
+
+// Forgets files that cannot be read, and says why, in the order of the table.
+std::shared_ptr<const Pictures> keep_readable(std::vector<std::vector<fs::path>>& table,
+                                              std::vector<std::string>& skipped) {
+  auto kept = std::make_shared<Pictures>(table.size(), std::vector<cv::Mat>(table.front().size()));
+  const std::size_t moments = table.front().size();
+  std::vector<std::string> troubles(table.size() * moments);
+  std::atomic<std::size_t> bytes = 0;
+  tbb::parallel_for(std::size_t{0}, troubles.size(), [&](std::size_t i) {
+    auto& file = table[i / moments][i % moments];
+    if (file.empty()) return;
+    try {
+      cv::Mat picture = read_board_picture(file);
+      const std::size_t size = picture.total() * picture.elemSize();
+      if (bytes.fetch_add(size) + size <= kMostKept) (*kept)[i / moments][i % moments] = std::move(picture);
+    } catch (const CorruptData& error) {
+      troubles[i] = std::string(error.what()) + ": left out";
+      file.clear();
+    }
+  });
+  std::copy_if(troubles.begin(), troubles.end(), std::back_inserter(skipped), [](const auto& t) { return !t.empty(); });
+  return kept;
+}
+
 }  // namespace
 
 cv::Mat read_board_picture(const fs::path& file) {
@@ -120,20 +149,12 @@ BoardFolder read_board_folder(const fs::path& folder) {
       row.push_back(file == by_moment.end() ? fs::path{} : file->second);
     }
   }
-  for (auto& row : *table)
-    for (auto& file : row) {
-      if (file.empty()) continue;
-      try {
-        read_board_picture(file);
-      } catch (const CorruptData& error) {
-        result.skipped.push_back(std::string(error.what()) + ": left out");
-        file.clear();
-      }
-    }
+  const auto kept = keep_readable(*table, result.skipped);
   result.pictures.file = [table](std::size_t camera, std::size_t moment) { return (*table)[camera][moment]; };
-  result.pictures.grey = [table](std::size_t camera, std::size_t moment) {
+  result.pictures.grey = [table, kept](std::size_t camera, std::size_t moment) {
     const auto& file = (*table)[camera][moment];
-    return file.empty() ? cv::Mat{} : read_board_picture(file);
+    const auto& picture = (*kept)[camera][moment];
+    return file.empty() || !picture.empty() ? picture : read_board_picture(file);
   };
   return result;
 }

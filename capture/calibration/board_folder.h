@@ -12,7 +12,8 @@ struct BoardFolder {
   std::vector<std::string> skipped;  // what cannot be read, a sentence each with the file's name
 };
 
-// Looks at every file once. Throws InvalidInput if there is no folder or no picture in it.
+// Reads every file once; as many pictures as 512 MiB hold are kept, the others read again when they are asked for.
+// Throws InvalidInput if there is no folder or no picture in it.
 BoardFolder read_board_folder(const std::filesystem::path& folder);
 
 // The picture as boards are looked for: of colour its green, which lenses and mosaics show best; 16 bits stay. Throws

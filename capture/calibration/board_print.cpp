@@ -38,6 +38,8 @@ cv::Mat black_cells(const Board& board, int cells_a_square) {
 BoardPrint::BoardPrint(const Board& board) : board_(board), edges_(edges_within_square(board)) {
   const int cells = static_cast<int>(edges_.size()) - 1;
   for (std::size_t i = 0; i + 1 < edges_.size(); ++i) inverse_widths_.push_back(1.0 / (edges_[i + 1] - edges_[i]));
+  const double widest = *std::max_element(inverse_widths_.begin(), inverse_widths_.end());
+  smallest_cell_ = 1.0 / (widest * widest);
   if (cells > 1) marker_scale_ = inverse_widths_[1];
   const cv::Mat black = black_cells(board, cells);
   columns_ = static_cast<std::size_t>(black.cols) + 1;
@@ -74,6 +76,18 @@ double BoardPrint::black_before(const Place& column, const Place& row) const {
   const double u = column.share, v = row.share;
   const double* at = table_.data() + row.cell * columns_ + column.cell;
   return (1 - v) * ((1 - u) * at[0] + u * at[1]) + v * ((1 - u) * at[columns_] + u * at[columns_ + 1]);
+}
+
+std::optional<double> BoardPrint::plain(double x, double y, double half_width, double half_height) const {
+  const double column = x / board_.square + 0.5 * board_.columns, row = 0.5 * board_.rows - y / board_.square;
+  const double w = half_width / board_.square, h = half_height / board_.square;
+  if (column + w <= 0 || row + h <= 0 || column - w >= board_.columns || row - h >= board_.rows) return 1.0;
+  if (column - w < 0 || row - h < 0 || column + w > board_.columns || row + h > board_.rows) return std::nullopt;
+  const Place left = place_of(column - w, board_.columns), top = place_of(row - h, board_.rows);
+  if (place_of(column + w, board_.columns).cell != left.cell || place_of(row + h, board_.rows).cell != top.cell)
+    return std::nullopt;
+  const double* at = table_.data() + top.cell * columns_ + left.cell;
+  return at[columns_ + 1] - at[columns_] - at[1] + at[0] > 0.5 * smallest_cell_ ? 0.0 : 1.0;
 }
 
 double BoardPrint::mean(double x, double y, double half_width, double half_height) const {

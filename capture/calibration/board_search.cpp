@@ -7,17 +7,12 @@
 #include <atomic>
 #include <map>
 #include <mutex>
-#include <opencv2/calib3d.hpp>
 #include <opencv2/core.hpp>
-#include <set>
 
-#include "capture/calibration/grid_finder.h"
 #include "config/errors.h"
 
 namespace rotunda::capture {
 namespace {
-
-constexpr std::size_t kLookedAt = 12;  // pictures, to say what is there instead of the board
 
 // Runs `work(camera, moment)` for all pictures, tells progress, ends early if stopped.
 void for_each_picture(const std::string& step, std::size_t cameras, std::size_t moments,
@@ -47,69 +42,6 @@ cv::Size size_of(const std::vector<cv::Size>& sizes) {
   for (const auto& [size, count] : counts)
     if (count > most) most = count, best = {size.first, size.second};
   return best;
-}
-
-std::vector<std::size_t> some_of(std::size_t count) {
-  std::vector<std::size_t> some;
-  const std::size_t n = std::min(count, kLookedAt);
-  for (std::size_t i = 0; i < n; ++i) some.push_back(i * count / n);
-  return some;
-}
-
-std::vector<cv::Mat> some_pictures(const BoardPictures& pictures) {
-  std::vector<cv::Mat> some;
-  for (const std::size_t i : some_of(pictures.cameras.size() * pictures.moments.size())) {
-    cv::Mat grey = pictures.grey(i / pictures.moments.size(), i % pictures.moments.size());
-    if (grey.type() == CV_16UC1) grey.convertTo(grey, CV_8U, 1.0 / 257.0);
-    if (!grey.empty()) some.push_back(std::move(grey));
-  }
-  return some;
-}
-
-std::string other_markers(const std::vector<cv::Mat>& pictures, const std::string& expected) {
-  std::string best;
-  int most = 0;
-  for (const auto& name : dictionary_names()) {
-    int count = 0;
-    for (const auto& picture : pictures) count += count_markers(picture, name);
-    if (count <= most || count < 4) continue;
-    most = count;
-    best = name;
-  }
-  if (best.empty()) return {};
-  if (best == expected)
-    return fmt::format(
-        "there are markers of {}, but not where the board file says: squares, markers or first_marker "
-        "are others",
-        best);
-  return fmt::format("there are markers of {} instead of {}", best, expected);
-}
-
-std::string other_chessboard(const std::vector<cv::Mat>& pictures, const Board& board) {
-  const cv::Size wanted(board.columns - 1, board.rows - 1);
-  for (const auto& picture : pictures)
-    for (int w = std::max(3, wanted.width - 2); w <= wanted.width + 2; ++w)
-      for (int h = std::max(3, wanted.height - 2); h <= wanted.height + 2; ++h) {
-        if (cv::Size(w, h) == wanted) continue;
-        std::vector<cv::Point2f> corners;
-        if (cv::findChessboardCorners(
-                picture, {w, h}, corners,
-                cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE | cv::CALIB_CB_FAST_CHECK))
-          return fmt::format("there is a chessboard of {} x {} inner corners instead of {} x {}", w, h, wanted.width,
-                             wanted.height);
-      }
-  return {};
-}
-
-bool mirrored_markers(const std::vector<cv::Mat>& pictures, const std::string& dictionary) {
-  int as_they_are = 0, mirrored = 0;
-  for (const auto& picture : pictures) {
-    cv::Mat flipped;
-    cv::flip(picture, flipped, 1);
-    as_they_are += count_markers(picture, dictionary);
-    mirrored += count_markers(flipped, dictionary);
-  }
-  return mirrored >= 4 && mirrored > 3 * as_they_are;
 }
 
 }  // namespace
@@ -177,19 +109,6 @@ std::vector<Sighting> search_predicted(const BoardPictures& pictures, const Boar
   std::vector<Sighting> all;
   for (auto& some : seen) std::move(some.begin(), some.end(), std::back_inserter(all));
   return all;
-}
-
-std::string what_is_there_instead(const BoardPictures& pictures, std::span<const Board> boards) {
-  const auto some = some_pictures(pictures);
-  if (some.empty()) return "there is no picture that can be read";
-  for (const auto& board : boards) {
-    if (board.type == BoardType::charuco && mirrored_markers(some, board.dictionary))
-      return "the pictures are mirrored: markers are found once they are turned about";
-    const auto text =
-        board.type == BoardType::charuco ? other_markers(some, board.dictionary) : other_chessboard(some, board);
-    if (!text.empty()) return text;
-  }
-  return {};
 }
 
 }  // namespace rotunda::capture

@@ -24,8 +24,4 @@ std::vector<Sighting> search_predicted(const BoardPictures& pictures, const Boar
                                        std::span<const std::size_t> source, double reach_px,
                                        const CalibrateOptions& options, const std::stop_token& stop);
 
-// What the pictures show instead, where no board was found: markers of this or another dictionary, a chessboard of
-// another size, mirrored markers; in words, none for none. Looks at a few pictures only.
-std::string what_is_there_instead(const BoardPictures& pictures, std::span<const Board> boards);
-
 }  // namespace rotunda::capture

@@ -6,13 +6,10 @@
 #include <zlib.h>
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <system_error>
 
 #include "capture/take/atomic_file.h"
@@ -24,47 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kPointsPerMetre = 72.0 / 0.0254;
-constexpr double kRulerMargin = 0.010;  // metres: ticks, their numbers, and what printers leave white
 constexpr double kTextHeight = 0.0025;
-constexpr double kLongestPaper = 10.0;  // metres
-
-// ISO 216, lying: the long side across.
-const std::array<PaperSize, 5>& iso_papers() {
-  static const std::array<PaperSize, 5> kPapers = {PaperSize{"A4", 0.297, 0.210}, PaperSize{"A3", 0.420, 0.297},
-                                                   PaperSize{"A2", 0.594, 0.420}, PaperSize{"A1", 0.841, 0.594},
-                                                   PaperSize{"A0", 1.189, 0.841}};
-  return kPapers;
-}
-
-double width_of(const Board& board) {
-  return board.columns * board.square;
-}
-double height_of(const Board& board) {
-  return board.rows * board.square;
-}
-
-PaperSize turned(PaperSize paper) {
-  std::swap(paper.width, paper.height);
-  return paper;
-}
-
-bool holds(const PaperSize& paper, const Board& board) {
-  constexpr double kRounding = 1e-9;
-  return paper.width + kRounding >= width_of(board) + 2 * least_margin(board) &&
-         paper.height + kRounding >= height_of(board) + 2 * least_margin(board);
-}
-
-std::optional<PaperSize> custom_paper(const std::string& name) {
-  const auto cross = name.find('x');
-  if (cross == std::string::npos) return std::nullopt;
-  double width = 0, height = 0;
-  const char* end = name.data() + name.size();
-  if (std::from_chars(name.data(), name.data() + cross, width).ptr != name.data() + cross ||
-      std::from_chars(name.data() + cross + 1, end, height).ptr != end || !(width > 0 && height > 0) ||
-      !(std::max(width, height) <= kLongestPaper * 1e3))
-    return std::nullopt;
-  return PaperSize{fmt::format("{:g} x {:g} mm", width, height), width * 1e-3, height * 1e-3};
-}
 
 struct EndSurface {
   void operator()(cairo_surface_t* surface) const noexcept { cairo_surface_destroy(surface); }
@@ -87,7 +44,6 @@ class Sheet {
   Sheet(cairo_t* drawing, const Board& board, const PaperSize& paper)
       : cr_(drawing),
         board_(board),
-        paper_(paper),
         left_((paper.width - width_of(board)) / 2),
         top_((paper.height - height_of(board)) / 2) {}
 
@@ -174,7 +130,6 @@ class Sheet {
 
   cairo_t* cr_;
   const Board& board_;
-  const PaperSize& paper_;
   double left_, top_;  // of the print
 };
 
@@ -268,34 +223,6 @@ fs::path file_for(const fs::path& file, std::span<const Board> boards, std::size
 }
 
 }  // namespace
-
-double least_margin(const Board& board) {
-  return kRulerMargin + (board.type == BoardType::chessboard ? board.square / 2 : 0.0);
-}
-
-PaperSize paper_named(const std::string& name, const Board& board) {
-  for (const auto& paper : iso_papers())
-    if (paper.name == name) return holds(paper, board) || !holds(turned(paper), board) ? paper : turned(paper);
-  if (const auto paper = custom_paper(name)) return *paper;
-  throw InvalidInput("--page " + name + ": expected A4, A3, A2, A1, A0 or WIDTHxHEIGHT in millimetres (at most 10 m)");
-}
-
-PaperSize smallest_paper(const Board& board) {
-  for (const auto& paper : iso_papers())
-    for (const auto& way : {paper, turned(paper)})
-      if (holds(way, board)) return way;
-  throw InvalidInput(fmt::format("{} of {:g} x {:g} mm fits on no paper up to A0: say --page WIDTHxHEIGHT (mm)",
-                                 board.name, width_of(board) * 1e3, height_of(board) * 1e3));
-}
-
-Board fitted_to(Board board, const std::string& paper) {
-  for (int mm = 1000; mm >= 5; --mm) {
-    board.square = mm * 1e-3;
-    board.marker = board.type == BoardType::charuco ? 0.8 * board.square : 0.0;
-    if (holds(paper_named(paper, board), board)) return board;
-  }
-  throw InvalidInput(fmt::format("{} x {} squares do not fit on {}", board.columns, board.rows, paper));
-}
 
 std::vector<Board> told_apart(const Board& board, int count) {
   if (count > 1 && board.type == BoardType::chessboard)

@@ -10,6 +10,7 @@
 #include <optional>
 #include <set>
 
+#include "capture/calibration/board_refusal.h"
 #include "capture/calibration/board_search.h"
 #include "capture/calibration/calibration_quality.h"
 #include "capture/calibration/camera_faults.h"
@@ -42,7 +43,6 @@ class Calibration {
   void adjust_all(double outliers);
   void drop_before_knocks();
   void search_again(const BoardPictures& pictures, const BoardDetector& detector, const std::stop_token& stop);
-  void take_world_frame();
   CalibrationResult judged(const BoardPictures* pictures);
   void add_problem(std::string problem) { result_.problems.push_back(std::move(problem)); }
 
@@ -249,38 +249,11 @@ void Calibration::search_again(const BoardPictures& pictures, const BoardDetecto
   good_ = without_outliers(state_, sightings_, boards_, reach, removed);
 }
 
-void Calibration::take_world_frame() {
-  if (!options_.world_from.empty()) {
-    const auto camera = std::find_if(state_.cameras.begin(), state_.cameras.end(),
-                                     [&](const auto& c) { return c.name == options_.world_from; });
-    if (camera == state_.cameras.end())
-      throw InvalidInput(fmt::format("the world cannot be taken from {}: it is not among the calibrated cameras",
-                                     options_.world_from));
-    Eigen::Isometry3d camera_from_world = Eigen::Isometry3d::Identity();
-    camera_from_world.linear() = camera->R;
-    camera_from_world.translation() = camera->t;
-    move_world(state_, camera_from_world);
-    result_.world = "the frame of " + options_.world_from;
-    return;
-  }
-  if (const auto floor = board_on_floor(state_, good_, boards_)) {
-    move_world(state_, state_.world_from_board.at(*floor).inverse());
-    result_.world = fmt::format("the board on the floor at {}: origin at its middle, x along it, z up",
-                                result_.moments[floor->first]);
-    return;
-  }
-  Eigen::Isometry3d first = Eigen::Isometry3d::Identity();
-  first.linear() = state_.cameras.front().R;
-  first.translation() = state_.cameras.front().t;
-  move_world(state_, first);
-  result_.world = fmt::format("the frame of {}, as no board lay on the floor", state_.cameras.front().name);
-  result_.advice.push_back(
-      "lay the board on the floor, face up, for one moment: it gives the world its origin and its floor");
-}
-
 CalibrationResult Calibration::judged(const BoardPictures* pictures) {
   for (auto& swap : find_swaps(state_, options_.known)) result_.problems.push_back(std::move(swap));
-  take_world_frame();
+  auto world = take_world_frame(state_, good_, boards_, result_.moments, options_.world_from);
+  result_.world = std::move(world.where);
+  if (!world.advice.empty()) result_.advice.push_back(std::move(world.advice));
   result_.corner_noise_px = noise_px_;
   result_.kept_intrinsics = all_known_;
   tell_residuals(state_, sightings_, boards_, outlier_px(), result_);
@@ -294,37 +267,6 @@ CalibrationResult Calibration::judged(const BoardPictures* pictures) {
     for (auto& view : result_.views) view.picture = pictures->file(source_[view.camera], view.moment);
   judge(result_);
   return std::move(result_);
-}
-
-// Boards that each camera must have seen: where its lens is known already, one tells where it stands.
-std::size_t fewest_views(const CalibrateOptions& options) {
-  return options.known.empty() ? kFewestViews : 1;
-}
-
-// What no calibration can begin without.
-void refuse_too_little(std::size_t cameras, std::size_t moments, const CalibrateOptions& options) {
-  if (cameras < 2) throw InvalidInput(fmt::format("there is {} camera; a rig has two at least", cameras));
-  if (moments < fewest_views(options))
-    throw InvalidInput(
-        fmt::format("there {} {}; it takes {} at least, better 40: show the board at many places (or give "
-                    "the intrinsics, where they are known)",
-                    moments == 1 ? "is" : "are", moments == 1 ? "one moment" : fmt::format("{} moments", moments),
-                    fewest_views(options)));
-}
-
-// Few markers of a board that is not there are found by chance.
-void refuse_another_board(const BoardSearch& search, const BoardPictures& pictures, const CalibrateOptions& options) {
-  std::vector<std::size_t> views(pictures.cameras.size(), 0);
-  for (const auto& sighting : search.sightings) ++views[sighting.camera];
-  if (!views.empty() && *std::max_element(views.begin(), views.end()) >= fewest_views(options)) return;
-  const auto instead = what_is_there_instead(pictures, options.boards);
-  if (!search.sightings.empty() && instead.empty()) return;
-  throw InvalidInput(fmt::format("the board was found in {} of {} pictures: {}", search.sightings.size(),
-                                 pictures.cameras.size() * pictures.moments.size(),
-                                 instead.empty()
-                                     ? "neither markers nor a chessboard are to be recognised: bring the board nearer "
-                                       "(its squares 15 pixels or more), hold it still, the whole of it in the picture"
-                                     : instead));
 }
 
 }  // namespace

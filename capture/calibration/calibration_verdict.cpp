@@ -16,9 +16,10 @@ constexpr double kGoodCentre = 0.005, kWorstCentre = 0.030;  // metres, standard
 constexpr int kGoodViews = 12, kFewestTrusted = 5;           // boards a camera
 constexpr double kGoodRadius = 0.75;  // of the picture's: beyond the outermost corner distortion may be a guess
 constexpr double kGoodRim = 0.5;      // pixels, standard deviation at the picture's rim
-constexpr double kGoodOutliers = 0.05, kWorstOutliers = 0.25;  // share of corners
-constexpr double kHeldOutGrows = 1.5;                          // against the residual itself
-constexpr double kSameDistance = 1.3;                          // farthest / nearest below it: all at one distance
+constexpr double kMisfit = 0.5;       // pixels: steep, blurred corners left out for accuracy's sake are off by less
+constexpr double kGoodMisfits = 0.05, kWorstMisfits = 0.25;  // share of corners
+constexpr double kHeldOutGrows = 1.5;                        // against the residual itself
+constexpr double kSameDistance = 1.3;                        // farthest / nearest below it: all at one distance
 
 Verdict worse(Verdict a, Verdict b) {
   return std::max(a, b);
@@ -106,18 +107,30 @@ void judge_counts(const std::string& name, bool kept_intrinsics, CameraQuality& 
   if (quality.views < kFewestTrusted) quality.verdict = Verdict::rejected;
 }
 
-void judge_residuals(const std::string& name, CameraQuality& quality) {
-  const double share = quality.outliers / std::max(1.0, static_cast<double>(quality.corners + quality.outliers));
+// Of a camera's corners, the share that are no corners of the board.
+double misfit_share(const CalibrationResult& result, std::size_t camera) {
+  int misfits = 0, corners = 0;
+  for (const auto& view : result.views) {
+    if (view.camera != camera) continue;
+    corners += static_cast<int>(view.corners.size());
+    misfits += static_cast<int>(std::count_if(view.corners.begin(), view.corners.end(), [](const auto& corner) {
+      return corner.outlier && (corner.off.isZero() || corner.off.norm() > kMisfit);  // zero: seen from behind
+    }));
+  }
+  return misfits / std::max(1.0, static_cast<double>(corners));
+}
+
+void judge_residuals(const std::string& name, double misfits, CameraQuality& quality) {
   if (quality.rms_px > kGoodRms) {
     quality.verdict = worse(quality.verdict, quality.rms_px > kWorstRms ? Verdict::rejected : Verdict::usable);
     quality.advice.push_back(fmt::format(
         "{}: corners are {:.2f} px off: look for motion blur (hold the board still), a soft focus or a bent board",
         name, quality.rms_px));
   }
-  if (share > kGoodOutliers) {
-    quality.verdict = worse(quality.verdict, share > kWorstOutliers ? Verdict::rejected : Verdict::usable);
+  if (misfits > kGoodMisfits) {
+    quality.verdict = worse(quality.verdict, misfits > kWorstMisfits ? Verdict::rejected : Verdict::usable);
     quality.advice.push_back(
-        fmt::format("{}: {:.0f} % of its corners fit nothing and were left out", name, 100.0 * share));
+        fmt::format("{}: {:.0f} % of its corners fit nothing and were left out", name, 100.0 * misfits));
   }
   if (quality.held_out_rms_px > kHeldOutGrows * quality.rms_px + 0.05) {
     quality.verdict = worse(quality.verdict, Verdict::usable);
@@ -155,7 +168,7 @@ void judge(CalibrationResult& result) {
     const auto& name = result.cameras[i].name;
     auto& quality = result.quality[i];
     judge_counts(name, result.kept_intrinsics, quality);
-    judge_residuals(name, quality);
+    judge_residuals(name, misfit_share(result, i), quality);
     judge_deviation(name, quality);
     result.verdict = worse(result.verdict, quality.verdict);
     if (quality.verdict == Verdict::rejected) rejected.push_back(name);

@@ -14,10 +14,17 @@ namespace {
 constexpr double kSmallestRadius = 2.2;  // pixels from the corner to the window's nearest side: below, edges melt
 constexpr double kLeastContrast = 0.02;  // linear light
 constexpr int kIterations = 12;
-constexpr double kConverged = 2e-3;  // pixels: a twentieth of what noise does
+constexpr double kConverged = 0.02;  // pixels: the next step is a tenth of the last, and noise does more than that
 
 float to_linear(double s) {
   return static_cast<float>(s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4));
+}
+
+std::vector<float> linear_curve(std::size_t levels) {
+  std::vector<float> curve(levels);
+  for (std::size_t i = 0; i < levels; ++i)
+    curve[i] = to_linear(static_cast<double>(i) / static_cast<double>(levels - 1));
+  return curve;
 }
 
 // What is compared: pixels about the expected corner whose place on the board lies in the window.
@@ -110,6 +117,10 @@ void CornerFitter::render(const Eigen::Vector2d& shift, double blur_px) {
       const Eigen::Vector2d pixel = Eigen::Vector2d(box.x + x, box.y + y) - shift;
       const Eigen::Vector2d at = through(board_from_image, pixel);
       if (((at - corner_).array().abs() > needed).any()) continue;
+      if (const auto colour = print_.plain(at.x(), at.y(), 2.0 * half.x(), 2.0 * half.y())) {
+        sharp.at<float>(y, x) = static_cast<float>(*colour);
+        continue;
+      }
       double sum = 0.0;
       for (const double u : {-0.25, 0.25})
         for (const double v : {-0.25, 0.25}) {
@@ -195,9 +206,8 @@ double CornerFitter::correlation_at(double blur_px) {
 cv::Mat linear_light(const cv::Mat& grey) {
   if (grey.type() != CV_8UC1 && grey.type() != CV_16UC1)
     throw InvalidInput("corners are found in grey pictures of 8 or 16 bits");
-  const double full = grey.type() == CV_8UC1 ? 255.0 : 65535.0;
-  std::vector<float> curve(static_cast<std::size_t>(full) + 1);
-  for (std::size_t i = 0; i < curve.size(); ++i) curve[i] = to_linear(static_cast<double>(i) / full);
+  static const std::vector<float> kEight = linear_curve(256), kSixteen = linear_curve(65536);
+  const auto& curve = grey.type() == CV_8UC1 ? kEight : kSixteen;
   cv::Mat linear(grey.size(), CV_32FC1);
   for (int y = 0; y < grey.rows; ++y)
     for (int x = 0; x < grey.cols; ++x)

@@ -102,7 +102,8 @@ Grid at_full_size(Grid corners) {
   return corners;
 }
 
-// Most boards are large enough at half the size, where telling that there is none takes a tenth of the time.
+// Most boards are large enough at half the size, where telling that there is none takes a tenth of the time. At full
+// size boards are sought only where squares enough are to be seen.
 std::optional<Grid> find_chessboard(const cv::Mat& grey, const cv::Size& inner) {
   Grid corners;
   constexpr int kFlags = cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE | cv::CALIB_CB_FAST_CHECK;
@@ -111,9 +112,9 @@ std::optional<Grid> find_chessboard(const cv::Mat& grey, const cv::Size& inner) 
   if (cv::findChessboardCorners(half, inner, corners, kFlags)) return at_full_size(std::move(corners));
   if (cv::findChessboardCornersSB(half, inner, corners, cv::CALIB_CB_NORMALIZE_IMAGE))
     return at_full_size(std::move(corners));
+  if (!cv::checkChessboard(half, inner) && !cv::checkChessboard(grey, inner)) return std::nullopt;
   if (cv::findChessboardCorners(grey, inner, corners, kFlags)) return corners;
-  const bool may_be_one = cv::checkChessboard(half, inner) || cv::checkChessboard(grey, inner);
-  if (may_be_one && cv::findChessboardCornersSB(grey, inner, corners, cv::CALIB_CB_NORMALIZE_IMAGE)) return corners;
+  if (cv::findChessboardCornersSB(grey, inner, corners, cv::CALIB_CB_NORMALIZE_IMAGE)) return corners;
   return std::nullopt;
 }
 

@@ -1,6 +1,10 @@
 #include "capture/calibration/world_frame.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+
+#include "config/errors.h"
 
 namespace rotunda::capture {
 namespace {
@@ -17,6 +21,13 @@ bool everything_is_above(const Eigen::Isometry3d& floor_from_world, const RigSta
     for (const auto& corner : corner_positions(boards[key.second]))
       if ((floor_from_world * pose * corner).z() < -kBelow) return false;
   return true;
+}
+
+Eigen::Isometry3d camera_from_world(const CameraModel& camera) {
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.linear() = camera.R;
+  pose.translation() = camera.t;
+  return pose;
 }
 
 }  // namespace
@@ -48,6 +59,28 @@ void move_world(RigState& state, const Eigen::Isometry3d& new_from_old) {
     camera.R = Eigen::Matrix3d(camera.R * old_from_new.linear());
   }
   for (auto& [key, pose] : state.world_from_board) pose = new_from_old * pose;
+}
+
+WorldFrame take_world_frame(RigState& state, std::span<const Sighting> sightings, std::span<const Board> boards,
+                            std::span<const std::string> moments, const std::string& world_from) {
+  if (!world_from.empty()) {
+    const auto camera =
+        std::find_if(state.cameras.begin(), state.cameras.end(), [&](const auto& c) { return c.name == world_from; });
+    if (camera == state.cameras.end())
+      throw InvalidInput(
+          fmt::format("the world cannot be taken from {}: it is not among the calibrated cameras", world_from));
+    move_world(state, camera_from_world(*camera));
+    return {.where = "the frame of " + world_from, .advice = {}};
+  }
+  if (const auto floor = board_on_floor(state, sightings, boards)) {
+    move_world(state, state.world_from_board.at(*floor).inverse());
+    return {.where = fmt::format("the board on the floor at {}: origin at its middle, x along it, z up",
+                                 moments[floor->first]),
+            .advice = {}};
+  }
+  move_world(state, camera_from_world(state.cameras.front()));
+  return {.where = fmt::format("the frame of {}, as no board lay on the floor", state.cameras.front().name),
+          .advice = "lay the board on the floor, face up, for one moment: it gives the world its origin and its floor"};
 }
 
 }  // namespace rotunda::capture

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <opencv2/imgproc.hpp>
 #include <vector>
 
 namespace rotunda::capture {
@@ -97,6 +98,19 @@ std::optional<Backdrop> backdrop_of(const cv::Mat& rgb) {
   return blue >= green ? Backdrop::blue : Backdrop::green;
 }
 
+bool is_before_screen(const cv::Mat& plate, Backdrop backdrop, const cv::Mat& stage) {
+  constexpr int kMean = 8;
+  const cv::Size size(std::max(1, plate.cols / kMean), std::max(1, plate.rows / kMean));
+  cv::Mat means, here(size, CV_8UC1, cv::Scalar(255));
+  cv::resize(plate, means, size, 0, 0, cv::INTER_AREA);
+  if (!stage.empty()) cv::resize(stage, here, size, 0, 0, cv::INTER_NEAREST);
+  int screen = 0;
+  for (int y = 0; y < size.height; ++y)
+    for (int x = 0; x < size.width; ++x)
+      screen += here.at<std::uint8_t>(y, x) != 0 && is_backdrop(means.at<cv::Vec3b>(y, x), backdrop) ? 1 : 0;
+  return 2 * screen > cv::countNonZero(here);
+}
+
 KeyChannels key_channels(const cv::Mat& plate, Backdrop backdrop) {
   const int own = backdrop == Backdrop::blue ? 2 : 1, third = 3 - own;
   const cv::Scalar mean = cv::mean(plate);
@@ -108,6 +122,13 @@ double backdrop_share(const cv::Mat& rgb, Backdrop backdrop) {
   for (int y = kStride / 2; y < rgb.rows; y += kStride)
     for (int x = kStride / 2; x < rgb.cols; x += kStride) samples += is_backdrop(rgb.at<cv::Vec3b>(y, x), backdrop);
   return static_cast<double>(samples) * kStride * kStride / static_cast<double>(rgb.total());
+}
+
+cv::Mat backdrop_mask(const cv::Mat& rgb, Backdrop backdrop) {
+  cv::Mat mask(rgb.size(), CV_8UC1);
+  std::transform(rgb.begin<cv::Vec3b>(), rgb.end<cv::Vec3b>(), mask.begin<std::uint8_t>(),
+                 [&](const cv::Vec3b& pixel) -> std::uint8_t { return is_backdrop(pixel, backdrop) ? 255 : 0; });
+  return mask;
 }
 
 cv::Mat fit_plate(const cv::Mat& rgb, Backdrop backdrop) {

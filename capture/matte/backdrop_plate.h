@@ -12,12 +12,19 @@ enum class Backdrop { blue, green };
 
 // The one whose colour leads in more of the picture (CV_8UC3, RGB); nothing where neither leads in a fiftieth of it.
 std::optional<Backdrop> backdrop_of(const cv::Mat& rgb);
+// Whether the performer stands before the backdrop's screen: it takes up most of the plate (CV_8UC3, RGB) where `stage`
+// (stage_mask.h, of the plate's size; empty: anywhere) is. Told by means over 8 x 8 pixels: the noise of a dark floor
+// leads in any colour somewhere.
+bool is_before_screen(const cv::Mat& plate, Backdrop backdrop, const cv::Mat& stage = {});
 
 // The channels of a plate of this backdrop, by their means.
 KeyChannels key_channels(const cv::Mat& plate, Backdrop backdrop);
 
 // The share of a picture (CV_8UC3, RGB) whose hue is the backdrop's, 0 to 1.
 double backdrop_share(const cv::Mat& rgb, Backdrop backdrop);
+
+// CV_8UC1, 255 where the picture's hue is the backdrop's.
+cv::Mat backdrop_mask(const cv::Mat& rgb, Backdrop backdrop);
 
 // ln(channel + kLogOffset) of the plate, CV_32FC3 in RGB order, as a fifth-order polynomial in x and y fitted to the
 // backdrop-coloured pixels with outliers thrown out (residual above 0.25, then 0.12). Empty if they are fewer than 2 %

@@ -20,6 +20,8 @@ constexpr double kBlur = 0.7;  // sigma, pixels: takes the demosaicing's chroma 
 constexpr double kLeastBackdrop = 0.05;
 constexpr float kDifferenceStep = 0.16F;  // of ln(channel): 17 % off the plate's colour at its best brightness
 constexpr float kFirmLead = 0.3F;         // beyond the limit: a pixel half performer leads it by less
+constexpr float kBareLead = -0.1F;        // the plate's own colour stands at -0.25
+constexpr int kBareGap = 3;               // pixels of it that make a gap
 constexpr int kSmallestPiece = 4000;      // a picture's area over this is the smallest piece of performer kept
 constexpr int kSmallestHole = 20000;
 constexpr int kOverexposed = 250;  // grey levels: what the sensor or its curve cannot tell from white
@@ -36,39 +38,46 @@ cv::Mat blurred(const cv::Mat& rgb) {
 struct Inside {
   cv::Mat all, firm;  // CV_8UC1, 255 inside
   cv::Mat unlit;      // CV_8UC1, 255 where it is too dark to tell
+  cv::Mat bare;       // CV_8UC1, 255 where it is plainly the backdrop: no cloth is as blue as a screen
 };
 
 Inside by_chroma(const cv::Mat& log_rgb, const cv::Mat& log_plate, const KeyChannels& channels) {
   const float least = std::log(kDarkest + kLogOffset);
-  Inside inside{cv::Mat(log_rgb.size(), CV_8UC1), cv::Mat(log_rgb.size(), CV_8UC1), cv::Mat(log_rgb.size(), CV_8UC1)};
+  Inside inside;
+  for (auto* mask : {&inside.all, &inside.firm, &inside.unlit, &inside.bare}) mask->create(log_rgb.size(), CV_8UC1);
   for (int y = 0; y < log_rgb.rows; ++y) {
     const auto* pixel = log_rgb.ptr<cv::Vec3f>(y);
     const auto* plate = log_plate.ptr<cv::Vec3f>(y);
     auto *all = inside.all.ptr<std::uint8_t>(y), *firm = inside.firm.ptr<std::uint8_t>(y);
-    auto* unlit = inside.unlit.ptr<std::uint8_t>(y);
+    auto *unlit = inside.unlit.ptr<std::uint8_t>(y), *bare = inside.bare.ptr<std::uint8_t>(y);
     for (int x = 0; x < log_rgb.cols; ++x) {
       const float lead = key_lead(cv::Vec3f(pixel[x] - plate[x]), channels);
       const bool lit = pixel[x][channels.far] > least;
       all[x] = lit && lead > 0.0F ? 255 : 0;
       firm[x] = lit && lead > kFirmLead ? 255 : 0;
       unlit[x] = lit ? 0 : 255;
+      bare[x] = lit && lead < kBareLead ? 255 : 0;
     }
   }
   return inside;
 }
 
 // Off the plate's colour by more than a change of light explains, or lighter or darker than any shadow.
-Inside by_difference(const cv::Mat& log_rgb, const cv::Mat& log_plate) {
-  cv::Mat inside(log_rgb.size(), CV_8UC1);
-  for (int y = 0; y < inside.rows; ++y)
-    for (int x = 0; x < inside.cols; ++x) {
+bool is_different(const cv::Vec3f& gain) {
+  const float light = std::clamp((gain[0] + gain[1] + gain[2]) / 3.0F, -0.7F, 0.1F);
+  return std::max({std::abs(gain[0] - light), std::abs(gain[1] - light), std::abs(gain[2] - light)}) > kDifferenceStep;
+}
+
+// Where `screen` (CV_8UC1) is 0 only the difference can tell.
+void tell_by_difference(const cv::Mat& log_rgb, const cv::Mat& log_plate, const cv::Mat& screen, Inside& inside) {
+  for (int y = 0; y < log_rgb.rows; ++y)
+    for (int x = 0; x < log_rgb.cols; ++x) {
+      if (screen.at<std::uint8_t>(y, x) != 0) continue;
       const cv::Vec3f gain = log_rgb.at<cv::Vec3f>(y, x) - log_plate.at<cv::Vec3f>(y, x);
-      const float light = std::clamp((gain[0] + gain[1] + gain[2]) / 3.0F, -0.7F, 0.1F);
-      float most = 0.0F;
-      for (int c = 0; c < 3; ++c) most = std::max(most, std::abs(gain[c] - light));
-      inside.at<std::uint8_t>(y, x) = most > kDifferenceStep ? 255 : 0;
+      const std::uint8_t value = is_different(gain) ? 255 : 0;
+      inside.all.at<std::uint8_t>(y, x) = inside.firm.at<std::uint8_t>(y, x) = value;
+      inside.unlit.at<std::uint8_t>(y, x) = inside.bare.at<std::uint8_t>(y, x) = 0;
     }
-  return {inside, inside, cv::Mat::zeros(log_rgb.size(), CV_8UC1)};
 }
 
 // Turns the pieces of `value` (0 or 255) over that `goes` says of, by their statistics (cv::ConnectedComponentsTypes)
@@ -125,16 +134,18 @@ void drop_stray_pieces(cv::Mat& inside, const cv::Mat& rgb, const cv::Rect& lit)
   inside = kept;
 }
 
-// Small ones, and those too dark to tell that the performer surrounds: folds of the clothes, for the backdrop gets
-// light wherever the camera sees it past somebody.
+// Small ones that do not plainly show the backdrop, as gaps between limbs do; and those too dark to tell that the
+// performer surrounds: folds of the clothes, for the backdrop gets light wherever the camera sees it past somebody.
 void fill_holes(Inside& inside) {
   const int smallest = std::max(4, static_cast<int>(inside.all.total()) / kSmallestHole);
   const cv::Mat before = inside.all.clone();
+  turn_pieces(inside.all, 0, inside.bare,
+              [&](const int* piece, int bare) { return piece[cv::CC_STAT_AREA] < smallest && bare < kBareGap; });
   turn_pieces(inside.all, 0, inside.unlit, [&](const int* piece, int unlit) {
     const int x = piece[cv::CC_STAT_LEFT], width = piece[cv::CC_STAT_WIDTH];
     const int y = piece[cv::CC_STAT_TOP], height = piece[cv::CC_STAT_HEIGHT];
     const bool is_surrounded = x > 0 && y > 0 && x + width < before.cols && y + height < before.rows;
-    return piece[cv::CC_STAT_AREA] < smallest || (is_surrounded && 2 * unlit > piece[cv::CC_STAT_AREA]);
+    return is_surrounded && 2 * unlit > piece[cv::CC_STAT_AREA];
   });
   inside.firm |= inside.unlit & inside.all & ~before;
 }
@@ -171,11 +182,15 @@ Matte chroma_key(const cv::Mat& rgb, const ChromaKeyOptions& options, const cv::
   const auto backdrop = backdrop_for(rgb, options, background).value_or(Backdrop::blue);
   const cv::Mat log_rgb = log_picture(blurred(rgb));
   const bool difference = use_difference(rgb, options.method, backdrop, background);
-  cv::Mat log_plate = background.empty() ? fit_plate(rgb, backdrop) : log_picture(blurred(background));
+  const cv::Mat plate = background.empty() ? cv::Mat() : blurred(background);
+  cv::Mat log_plate = plate.empty() ? fit_plate(rgb, backdrop) : log_picture(plate);
   if (log_plate.empty()) return {cv::Mat::zeros(rgb.size(), CV_8UC1)};
-  if (!background.empty() && !difference) log_plate += light_change(log_rgb, log_plate, backdrop);
-  Inside inside =
-      difference ? by_difference(log_rgb, log_plate) : by_chroma(log_rgb, log_plate, key_channels(log_plate, backdrop));
+  if (!plate.empty() && !difference) log_plate += light_change(log_rgb, log_plate, backdrop);
+  Inside inside = by_chroma(log_rgb, log_plate, key_channels(log_plate, backdrop));
+  if (!plate.empty()) {
+    const cv::Mat screen = difference ? cv::Mat::zeros(rgb.size(), CV_8UC1) : backdrop_mask(plate, backdrop);
+    tell_by_difference(log_rgb, log_plate, screen, inside);
+  }
   if (!options.stage.empty()) inside.all &= options.stage;
   drop_stray_pieces(inside.all, rgb, lit_area(rgb));
   fill_holes(inside);

@@ -24,6 +24,7 @@ constexpr std::array<float, 9> kShades{1.0F, 0.8F, 0.64F, 0.5F, 0.4F, 0.31F, 0.2
 // ln of the light: what it may change by even where the backdrop beside is even; then, times the spread that is there.
 constexpr float kShadeSpread = 0.15F;
 constexpr float kSpreadFactor = 3.0F;
+constexpr float kGapSpread = 0.5F;       // in a gap that nothing beside tells of: half of the light may be gone
 constexpr float kResidualNoise = 3e-4F;  // variance by linear light: two grey levels
 constexpr float kDarkNoise = 2e-6F;
 
@@ -148,19 +149,22 @@ class Surroundings {
   Surroundings(const cv::Mat& picture, const cv::Mat& empty, const cv::Mat& sure_inside, const cv::Mat& sure_outside)
       : Surroundings(picture, empty, moments_of(picture, empty), sure_inside, sure_outside) {}
 
-  // False where one of the two is nowhere near.
+  // False where no performer is near. In narrow gaps between limbs no backdrop is sure: there it is the plate's.
   bool at(int x, int y, Mixture& mixture) const {
     cv::Vec3f seen, expected, inner, outer;
     auto& f = mixture.foreground;
-    if (foreground_.mean_near(x, y, f) == 0 || backdrop_.mean_near(x, y, seen) == 0) return false;
+    if (foreground_.mean_near(x, y, f) == 0) return false;
     foreground_moments_.mean_near(x, y, inner);
-    plates_.mean_near(x, y, expected);
-    shades_.mean_near(x, y, outer);
-    mixture.background = empty_.at<cv::Vec3f>(y, x);  // the plate here, as bright as the shadow beside leaves it
-    for (int c = 0; c < 3; ++c) mixture.background[c] *= seen[c] / std::max(1e-4F, expected[c]);
+    mixture.background = empty_.at<cv::Vec3f>(y, x);
+    mixture.shade_spread = kGapSpread;
+    if (backdrop_.mean_near(x, y, seen) > 0) {  // the plate here, as bright as the shadow beside leaves it
+      plates_.mean_near(x, y, expected);
+      shades_.mean_near(x, y, outer);
+      for (int c = 0; c < 3; ++c) mixture.background[c] *= seen[c] / std::max(1e-4F, expected[c]);
+      mixture.shade_spread = kShadeSpread + kSpreadFactor * std::sqrt(std::max(0.0F, outer[1] - outer[0] * outer[0]));
+    }
     mixture.luma_variance = std::max(0.0F, inner[0] - luma(f) * luma(f));
     mixture.chroma_variance = std::max(0.0F, inner[1] - f.dot(f) - 3.0F * mixture.luma_variance);
-    mixture.shade_spread = kShadeSpread + kSpreadFactor * std::sqrt(std::max(0.0F, outer[1] - outer[0] * outer[0]));
     return true;
   }
 

@@ -63,14 +63,14 @@ std::uint8_t unbiased(float alpha) {
   return cv::saturate_cast<std::uint8_t>(255.0F * a);
 }
 
-cv::Rect widened(const cv::Rect& box, int by, const cv::Size& within) {
-  return cv::Rect(box.x - by, box.y - by, box.width + 2 * by, box.height + 2 * by) & cv::Rect({}, within);
-}
-
 }  // namespace
 
-cv::Mat half_edge_matte(const HalfPicture& half, const cv::Mat& inside, const cv::Rect& box, cv::Size size) {
-  const cv::Rect around = widened(box, kMargin, inside.size());
+cv::Rect half_edge_box(const cv::Rect& box, cv::Size within) {
+  return cv::Rect(box.x - kMargin, box.y - kMargin, box.width + 2 * kMargin, box.height + 2 * kMargin) &
+         cv::Rect({}, within);
+}
+
+cv::Mat half_edge_matte(const HalfPicture& half, const cv::Mat& inside, const cv::Rect& around) {
   const cv::Mat rough = inside(around), square = cv::Mat::ones(3, 3, CV_8UC1);
   cv::Mat sure_inside, reach;
   cv::erode(rough, sure_inside, square);
@@ -93,10 +93,7 @@ cv::Mat half_edge_matte(const HalfPicture& half, const cv::Mat& inside, const cv
       alpha.at<std::uint8_t>(y, x) = unbiased(std::clamp((pixel - b).dot(way) / length, 0.0F, 1.0F));
     }
   }
-  cv::Mat matte = cv::Mat::zeros(size, CV_8UC1), whole;
-  cv::resize(alpha, whole, {2 * around.width, 2 * around.height}, 0, 0, cv::INTER_LINEAR);
-  whole.copyTo(matte(cv::Rect(2 * around.x, 2 * around.y, whole.cols, whole.rows)));
-  return matte;
+  return alpha;
 }
 
 }  // namespace rotunda::capture

@@ -21,7 +21,8 @@ constexpr int kSmallestPiece = 4000;  // a picture's area over this is the small
 constexpr int kSmallestHole = 20000;
 constexpr int kLightStride = 8;  // half-size pixels
 constexpr std::size_t kFewestLightPixels = 32;
-constexpr int kPool = 2;  // half-size pixels a side that pieces are told by
+constexpr int kOverexposed = 250;  // grey levels: what the sensor or its curve cannot tell from white
+constexpr int kPool = 2;           // half-size pixels a side that pieces are told by
 
 // The limit as lines in the ratios themselves: between knots the exact limit bends by less than 0.02.
 struct LimitLine {
@@ -78,17 +79,45 @@ cv::Mat scale_of(const cv::Mat& plate) {
 
 // The largest of each kPool x kPool pixels.
 cv::Mat pooled(const cv::Mat& mask) {
-  cv::Mat pool((mask.rows + kPool - 1) / kPool, (mask.cols + kPool - 1) / kPool, CV_8UC1, cv::Scalar(0));
-  for (int y = 0; y < mask.rows; ++y) {
-    const auto* from = mask.ptr<std::uint8_t>(y);
-    auto* to = pool.ptr<std::uint8_t>(y / kPool);
-    for (int x = 0; x < mask.cols; ++x) to[x / kPool] |= from[x];
+  static_assert(kPool == 2);
+  constexpr int kStep = cv::v_uint8x16::nlanes;
+  cv::Mat pool((mask.rows + 1) / 2, (mask.cols + 1) / 2, CV_8UC1);
+  for (int y = 0; y < pool.rows; ++y) {
+    const auto *upper = mask.ptr<std::uint8_t>(2 * y),
+               *lower = mask.ptr<std::uint8_t>(std::min(2 * y + 1, mask.rows - 1));
+    auto* to = pool.ptr<std::uint8_t>(y);
+    int x = 0;
+    for (; 2 * (x + kStep) <= mask.cols; x += kStep) {
+      cv::v_uint8x16 a, b, c, d;
+      cv::v_load_deinterleave(upper + 2 * x, a, b);
+      cv::v_load_deinterleave(lower + 2 * x, c, d);
+      cv::v_store(to + x, a | b | c | d);
+    }
+    for (; x < pool.cols; ++x) {
+      const int right = std::min(2 * x + 1, mask.cols - 1);
+      to[x] = upper[2 * x] | upper[right] | lower[2 * x] | lower[right];
+    }
   }
   return pool;
 }
 
-// Takes small pieces out of `inside`; returns what holds the rest, empty if nothing is left.
-cv::Rect drop_small_pieces(cv::Mat& inside) {
+// A lamp that no plate knows is white in all colours for the most part; `box`: of the piece, in pooled pixels.
+bool is_lamp(const HalfPicture& half, const cv::Mat& labels, int piece, const cv::Rect& box) {
+  constexpr int kWhite = kOverexposed * kHalfScale;
+  int all = 0, white = 0;
+  for (int y = box.y; y < box.y + box.height; ++y)
+    for (int x = box.x; x < box.x + box.width; ++x) {
+      if (labels.at<int>(y, x) != piece) continue;
+      ++all;
+      white += std::all_of(half.planes.begin(), half.planes.end(), [&](const cv::Mat& plane) {
+        return plane.at<std::uint16_t>(kPool * y, kPool * x) >= kWhite;
+      });
+    }
+  return 2 * white > all;
+}
+
+// Takes small pieces and lamps out of `inside`; returns what holds the rest, empty if nothing is left.
+cv::Rect drop_stray_pieces(const HalfPicture& half, cv::Mat& inside) {
   cv::Mat labels, statistics, centres;
   const cv::Mat pool = pooled(inside);
   const int count = cv::connectedComponentsWithStats(pool, labels, statistics, centres, 8, CV_32S);
@@ -98,16 +127,17 @@ cv::Rect drop_small_pieces(cv::Mat& inside) {
   for (int piece = 1; piece < count; ++piece) {
     const int* found = statistics.ptr<int>(piece);
     if (found[cv::CC_STAT_AREA] < smallest) continue;
+    const cv::Rect own(found[cv::CC_STAT_LEFT], found[cv::CC_STAT_TOP], found[cv::CC_STAT_WIDTH],
+                       found[cv::CC_STAT_HEIGHT]);
+    if (is_lamp(half, labels, piece, own)) continue;
     keep[static_cast<std::size_t>(piece)] = 255;
-    box |=
-        cv::Rect(found[cv::CC_STAT_LEFT], found[cv::CC_STAT_TOP], found[cv::CC_STAT_WIDTH], found[cv::CC_STAT_HEIGHT]);
+    box |= own;
   }
   box = cv::Rect(kPool * box.x, kPool * box.y, kPool * box.width, kPool * box.height) & cv::Rect({}, inside.size());
   for (int y = box.y; y < box.y + box.height; ++y) {
-    const int* label = labels.ptr<int>(std::min(y / kPool, labels.rows - 1));
+    const int* label = labels.ptr<int>(y / kPool);
     auto* pixel = inside.ptr<std::uint8_t>(y);
-    for (int x = box.x; x < box.x + box.width; ++x)
-      pixel[x] &= keep[static_cast<std::size_t>(label[std::min(x / kPool, labels.cols - 1)])];
+    for (int x = box.x; x < box.x + box.width; ++x) pixel[x] &= keep[static_cast<std::size_t>(label[x / kPool])];
   }
   return box;
 }
@@ -193,18 +223,30 @@ cv::Mat LiveKey::inside_of(const HalfPicture& half) const {
   return inside;
 }
 
-Matte LiveKey::operator()(const Image& image) const {
+HalfMatte LiveKey::half(const Image& image) const {
   if (image.format != format_ || image.width != size_.width || image.height != size_.height)
     throw InvalidInput(fmt::format("the live key is for {} x {} pixels of {}, not {} x {} of {}", size_.width,
                                    size_.height, to_string(format_), image.width, image.height,
                                    to_string(image.format)));
-  const auto half = half_picture(image);
-  cv::Mat inside = inside_of(half);
-  const cv::Rect box = drop_small_pieces(inside);
-  if (box.empty()) return {cv::Mat::zeros(size_, CV_8UC1)};
-  const cv::Mat& far = half.planes[static_cast<std::size_t>(channels_.far)];
+  HalfMatte matte{.alpha = {}, .box = {}, .picture = half_picture(image)};
+  cv::Mat inside = inside_of(matte.picture);
+  const cv::Rect box = drop_stray_pieces(matte.picture, inside);
+  if (box.empty()) return matte;
+  const cv::Mat& far = matte.picture.planes[static_cast<std::size_t>(channels_.far)];
   fill_holes(inside(box), far(box), std::max(2, static_cast<int>(inside.total()) / kSmallestHole));
-  return {half_edge_matte(half, inside, box, size_)};
+  matte.box = half_edge_box(box, inside.size());
+  matte.alpha = half_edge_matte(matte.picture, inside, matte.box);
+  return matte;
+}
+
+Matte LiveKey::operator()(const Image& image) const {
+  const auto matte = half(image);
+  cv::Mat whole = cv::Mat::zeros(size_, CV_8UC1);
+  if (matte.box.empty()) return {whole};
+  const cv::Rect doubled(2 * matte.box.x, 2 * matte.box.y, 2 * matte.box.width, 2 * matte.box.height);
+  cv::Mat there = whole(doubled);
+  cv::resize(matte.alpha, there, there.size(), 0, 0, cv::INTER_LINEAR);
+  return {whole};
 }
 
 std::vector<Matte> key_live(std::span<const LiveKey> keys, std::span<const Image> images) {

@@ -20,6 +20,13 @@ struct LiveKeyOptions {
   cv::Mat stage;                     // stage_mask.h: where the performer can be; empty: anywhere
 };
 
+// What the key finds, as it finds it: at half the picture's size.
+struct HalfMatte {
+  cv::Mat alpha;        // CV_8UC1, of `box` alone; empty: nobody
+  cv::Rect box;         // in half-size pixels; there is nothing of the performer outside of it
+  HalfPicture picture;  // that it was found in
+};
+
 // One camera's: what its plate asks of every pixel, worked out once. Light that drifts from the plate's is followed.
 class LiveKey {
  public:
@@ -29,6 +36,7 @@ class LiveKey {
 
   // Of the plate's size and format; throws InvalidInput otherwise. Safe from any number of threads.
   Matte operator()(const Image& image) const;
+  HalfMatte half(const Image& image) const;
 
  private:
   std::array<std::uint16_t, 3> plate_light(const HalfPicture& half) const;

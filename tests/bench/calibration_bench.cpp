@@ -2,7 +2,9 @@
 // studio get wrong: corners, camera centres and rotations after rigid alignment, projections of points all over the
 // volume, time. Beside it OpenCV's own chain (its corners, calibrateCamera, stereoCalibrate from camera to camera) on
 // the same pictures, and what the adjustment's covariance expects.
-// usage: calibration_bench [charuco|chessboard|carried ...]
+// usage: calibration_bench [--pictures DIR] [charuco|chessboard|carried ...]
+// --pictures: only writes the pictures, board.yaml and truth.yaml to DIR/SCENE, for a measurement of `rotunda calibrate
+// --images DIR/SCENE/images` as a whole program.
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
@@ -10,11 +12,17 @@
 #include <chrono>
 #include <cmath>
 #include <ctime>
+#include <filesystem>
+#include <fstream>
 #include <numbers>
+#include <opencv2/imgcodecs.hpp>
 
 #include "capture/calibration/board_detector.h"
+#include "capture/calibration/board_sheet.h"
 #include "capture/calibration/calibrate.h"
 #include "capture/calibration/calibration_covariance.h"
+#include "capture/calibration_file.h"
+#include "config/errors.h"
 #include "simulator/studio/camera_layout.h"
 #include "tests/bench/calibration_scene.h"
 #include "tests/bench/opencv_chain.h"
@@ -207,19 +215,43 @@ void measure(const Scene& scene) {
   fmt::print("{:11} {:10} CPU {:.1f} s\n", scene.name, "OpenCV", cpu_seconds() - opencv_cpu);
 }
 
+void write_pictures(const Scene& scene, const std::filesystem::path& folder) {
+  for (std::size_t camera = 0; camera < scene.truth.size(); ++camera) {
+    const auto own = folder / "images" / scene.truth[camera].name;
+    std::filesystem::create_directories(own);
+    for (std::size_t moment = 0; moment < scene.poses.size(); ++moment)
+      cv::imwrite((own / fmt::format("moment{:02}.png", moment)).string(), scene.grey[camera][moment]);
+  }
+  std::ofstream(folder / "board.yaml") << capture::board_yaml(std::span(&scene.board, 1));
+  capture::write_calibration(folder / "truth.yaml", scene.truth);
+}
+
+Scene scene_called(const std::string& name) {
+  using capture::BoardType;
+  if (name == "charuco") return show_alone(name, {});
+  if (name == "chessboard")
+    return show_alone(name, {.type = BoardType::chessboard, .columns = 10, .rows = 7, .square = 0.1, .marker = 0.0});
+  if (name == "carried") return show_carried();
+  throw InvalidInput("there is no scene called " + name + ": charuco, chessboard or carried");
+}
+
 }  // namespace
 }  // namespace rotunda::bench
 
 int main(int argc, char** argv) {
   using namespace rotunda::bench;
-  using rotunda::capture::BoardType;
   std::vector<std::string> scenes(argv + 1, argv + argc);
+  std::filesystem::path pictures;
+  if (scenes.size() >= 2 && scenes[0] == "--pictures") {
+    pictures = scenes[1];
+    scenes.erase(scenes.begin(), scenes.begin() + 2);
+  }
   if (scenes.empty()) scenes = {"charuco", "chessboard", "carried"};
-  for (const auto& scene : scenes) {
-    if (scene == "charuco") measure(show_alone(scene, {}));
-    if (scene == "chessboard")
-      measure(
-          show_alone(scene, {.type = BoardType::chessboard, .columns = 10, .rows = 7, .square = 0.1, .marker = 0.0}));
-    if (scene == "carried") measure(show_carried());
+  for (const auto& name : scenes) {
+    const auto scene = scene_called(name);
+    if (pictures.empty())
+      measure(scene);
+    else
+      write_pictures(scene, pictures / name);
   }
 }

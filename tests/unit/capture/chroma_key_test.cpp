@@ -133,6 +133,32 @@ TEST(ChromaKey, KeepsAGapOfFourPixelsOpen) {
   EXPECT_GT(cv::mean(matte.alpha(cv::Rect(104, 64, 22, 112)))[0], 250.0);
 }
 
+// Behind a bent knee, between hand and hip: no backdrop farther off tells what it looks like there.
+TEST(ChromaKey, KeepsASmallGapOpenThatThePerformerSurrounds) {
+  const cv::Mat plate = picture_of({}, false);
+  cv::Mat rgb = plate.clone(), gap;
+  rgb(cv::Rect(100, 60, 80, 120)).setTo(cv::Scalar(150, 97, 89));
+  const cv::Rect hole(138, 116, 4, 5);
+  plate(hole).copyTo(rgb(hole));
+  cv::GaussianBlur(rgb, rgb, {5, 5}, 0.6);
+  for (const auto& background : {plate, cv::Mat()}) {
+    const auto matte = chroma_key(rgb, {}, background);
+    EXPECT_LT(cv::mean(matte.alpha(cv::Rect(139, 117, 2, 3)))[0], 120.0);
+    EXPECT_GT(cv::mean(matte.alpha(cv::Rect(104, 64, 30, 112)))[0], 250.0);
+  }
+}
+
+// A dark wall, in which the performer stands out by light alone.
+TEST(ChromaKey, TellsThePerformerPastTheScreensEdgeByTheDifference) {
+  cv::Mat plate = picture_of({}, false), rgb = picture_of({});
+  const cv::Mat half = picture_of({.backdrop = {0.008F, 0.009F, 0.012F}});
+  half.colRange(150, kWidth).copyTo(rgb.colRange(150, kWidth));
+  picture_of({.backdrop = {0.008F, 0.009F, 0.012F}}, false).colRange(150, kWidth).copyTo(plate.colRange(150, kWidth));
+  const auto matte = chroma_key(rgb, {}, plate);
+  EXPECT_NEAR(area_of(matte), CV_PI * kRadius * kRadius, 80.0);  // a quarter of a pixel all round
+  EXPECT_NEAR(outline_radius(matte), kRadius, 0.4);
+}
+
 TEST(ChromaKey, TakesWhatIsOffTheStageForNobody) {
   cv::Mat stage(kHeight, kWidth, CV_8UC1, cv::Scalar(255)), rgb = picture_of({});
   stage.colRange(0, 60).setTo(0);

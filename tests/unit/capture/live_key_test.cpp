@@ -107,6 +107,13 @@ TEST(LiveKey, FillsAFoldTooDarkToTellInTheMiddleOfThePerformer) {
   EXPECT_GT(cv::mean(key(sent(rgb, PixelFormat::bayer_rg8)).alpha(cv::Rect(143, 108, 25, 25)))[0], 250.0);
 }
 
+TEST(LiveKey, TakesALampThatThePlateDoesNotKnowForNobody) {
+  const LiveKey key(picture_of(kBlue, {}, false), PixelFormat::bayer_rg8);
+  cv::Mat picture = picture_of(kBlue, kSkin, true);
+  cv::rectangle(picture, cv::Rect(200, 0, 70, 30), cv::Scalar::all(255), cv::FILLED);
+  expect_the_disc(key(sent(picture, PixelFormat::bayer_rg8)));
+}
+
 TEST(LiveKey, KeepsToTheStage) {
   cv::Mat stage(kSize, CV_8UC1, cv::Scalar(255));
   stage.colRange(0, 60).setTo(0);
@@ -148,20 +155,20 @@ TEST(LiveKey, RefusesWhatItCannotKey) {
 
 // A ramp of light in each colour: the half picture's values are the ramp's where it says its pixels stand.
 TEST(HalfPicture, StandsWhereItsFourPixelsMeet) {
-  cv::Mat rgb(20, 24, CV_8UC3);
+  cv::Mat rgb(20, 74, CV_8UC3);  // wide enough for vectors, and a rest
   for (int y = 0; y < rgb.rows; ++y)
     for (int x = 0; x < rgb.cols; ++x)
-      rgb.at<cv::Vec3b>(y, x) = cv::Vec3b(static_cast<std::uint8_t>(40 + 4 * x), static_cast<std::uint8_t>(20 + 4 * y),
-                                          static_cast<std::uint8_t>(10 + 4 * x + 4 * y));
+      rgb.at<cv::Vec3b>(y, x) = cv::Vec3b(static_cast<std::uint8_t>(40 + 2 * x), static_cast<std::uint8_t>(20 + 4 * y),
+                                          static_cast<std::uint8_t>(10 + 2 * x + 2 * y));
   for (const auto format : {PixelFormat::bayer_rg8, PixelFormat::bayer_gr8, PixelFormat::bayer_gb8,
                             PixelFormat::bayer_bg8, PixelFormat::rgb8}) {
     const auto half = half_picture(sent(rgb, format));
     for (int y = 1; y < 9; ++y)  // at the picture's ends the outermost photosites are repeated
-      for (int x = 1; x < 11; ++x) {
+      for (int x = 1; x < 36; ++x) {
         const double at_x = 2 * x + 0.5, at_y = 2 * y + 0.5;
-        EXPECT_NEAR(half.planes[0].at<std::uint16_t>(y, x) / 16.0, 40 + 4 * at_x, 0.01) << to_string(format);
+        EXPECT_NEAR(half.planes[0].at<std::uint16_t>(y, x) / 16.0, 40 + 2 * at_x, 0.01) << to_string(format);
         EXPECT_NEAR(half.planes[1].at<std::uint16_t>(y, x) / 16.0, 20 + 4 * at_y, 0.01) << to_string(format);
-        EXPECT_NEAR(half.planes[2].at<std::uint16_t>(y, x) / 16.0, 10 + 4 * at_x + 4 * at_y, 0.01) << to_string(format);
+        EXPECT_NEAR(half.planes[2].at<std::uint16_t>(y, x) / 16.0, 10 + 2 * at_x + 2 * at_y, 0.01) << to_string(format);
       }
   }
 }

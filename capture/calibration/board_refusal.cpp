@@ -1,0 +1,136 @@
+#include "capture/calibration/board_refusal.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "capture/calibration/camera_start.h"
+#include "capture/calibration/grid_finder.h"
+#include "config/errors.h"
+
+namespace rotunda::capture {
+namespace {
+
+constexpr std::size_t kLookedAt = 12;  // pictures, to say what is there instead of the board
+constexpr int kLongestLookedAt = 800;  // pixels of a side, for another chessboard: large ones take minutes to deny
+
+// Boards that each camera must have seen: where its lens is known already, one tells where it stands.
+std::size_t fewest_views(const CalibrateOptions& options) {
+  return options.known.empty() ? kFewestViews : 1;
+}
+
+std::vector<std::size_t> some_of(std::size_t count) {
+  std::vector<std::size_t> some;
+  const std::size_t n = std::min(count, kLookedAt);
+  for (std::size_t i = 0; i < n; ++i) some.push_back(i * count / n);
+  return some;
+}
+
+std::vector<cv::Mat> some_pictures(const BoardPictures& pictures) {
+  std::vector<cv::Mat> some;
+  for (const std::size_t i : some_of(pictures.cameras.size() * pictures.moments.size())) {
+    cv::Mat grey = pictures.grey(i / pictures.moments.size(), i % pictures.moments.size());
+    if (grey.type() == CV_16UC1) grey.convertTo(grey, CV_8U, 1.0 / 257.0);
+    if (!grey.empty()) some.push_back(std::move(grey));
+  }
+  return some;
+}
+
+std::string other_markers(const std::vector<cv::Mat>& pictures, const std::string& expected) {
+  std::string best;
+  int most = 0;
+  for (const auto& name : dictionary_names()) {
+    int count = 0;
+    for (const auto& picture : pictures) count += count_markers(picture, name);
+    if (count <= most || count < 4) continue;
+    most = count;
+    best = name;
+  }
+  if (best.empty()) return {};
+  if (best == expected)
+    return fmt::format(
+        "there are markers of {}, but not where the board file says: squares, markers or first_marker "
+        "are others",
+        best);
+  return fmt::format("there are markers of {} instead of {}", best, expected);
+}
+
+cv::Mat no_longer_than(int longest, const cv::Mat& picture) {
+  const double scale = static_cast<double>(longest) / std::max(picture.cols, picture.rows);
+  cv::Mat smaller = picture;
+  if (scale < 1.0) cv::resize(picture, smaller, {}, scale, scale, cv::INTER_AREA);
+  return smaller;
+}
+
+std::string other_chessboard(const std::vector<cv::Mat>& pictures, const Board& board) {
+  const cv::Size wanted(board.columns - 1, board.rows - 1);
+  for (const auto& whole : pictures) {
+    const cv::Mat picture = no_longer_than(kLongestLookedAt, whole);
+    for (int w = std::max(3, wanted.width - 2); w <= wanted.width + 2; ++w)
+      for (int h = std::max(3, wanted.height - 2); h <= wanted.height + 2; ++h) {
+        if (cv::Size(w, h) == wanted || !cv::checkChessboard(picture, {w, h})) continue;
+        std::vector<cv::Point2f> corners;
+        if (cv::findChessboardCorners(
+                picture, {w, h}, corners,
+                cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE | cv::CALIB_CB_FAST_CHECK))
+          return fmt::format("there is a chessboard of {} x {} inner corners instead of {} x {}", w, h, wanted.width,
+                             wanted.height);
+      }
+  }
+  return {};
+}
+
+bool mirrored_markers(const std::vector<cv::Mat>& pictures, const std::string& dictionary) {
+  int as_they_are = 0, mirrored = 0;
+  for (const auto& picture : pictures) {
+    cv::Mat flipped;
+    cv::flip(picture, flipped, 1);
+    as_they_are += count_markers(picture, dictionary);
+    mirrored += count_markers(flipped, dictionary);
+  }
+  return mirrored >= 4 && mirrored > 3 * as_they_are;
+}
+
+// Markers of this or another dictionary, a chessboard of another size, mirrored markers: in words, none for none.
+std::string what_is_there_instead(const BoardPictures& pictures, std::span<const Board> boards) {
+  const auto some = some_pictures(pictures);
+  if (some.empty()) return "there is no picture that can be read";
+  for (const auto& board : boards) {
+    if (board.type == BoardType::charuco && mirrored_markers(some, board.dictionary))
+      return "the pictures are mirrored: markers are found once they are turned about";
+    const auto text =
+        board.type == BoardType::charuco ? other_markers(some, board.dictionary) : other_chessboard(some, board);
+    if (!text.empty()) return text;
+  }
+  return {};
+}
+
+}  // namespace
+
+void refuse_too_little(std::size_t cameras, std::size_t moments, const CalibrateOptions& options) {
+  if (cameras < 2) throw InvalidInput(fmt::format("there is {} camera; a rig has two at least", cameras));
+  if (moments < fewest_views(options))
+    throw InvalidInput(
+        fmt::format("there {} {}; it takes {} at least, better 40: show the board at many places (or give "
+                    "the intrinsics, where they are known)",
+                    moments == 1 ? "is" : "are", moments == 1 ? "one moment" : fmt::format("{} moments", moments),
+                    fewest_views(options)));
+}
+
+void refuse_another_board(const BoardSearch& search, const BoardPictures& pictures, const CalibrateOptions& options) {
+  std::vector<std::size_t> views(pictures.cameras.size(), 0);
+  for (const auto& sighting : search.sightings) ++views[sighting.camera];
+  if (!views.empty() && *std::max_element(views.begin(), views.end()) >= fewest_views(options)) return;
+  const auto instead = what_is_there_instead(pictures, options.boards);
+  if (!search.sightings.empty() && instead.empty()) return;
+  throw InvalidInput(fmt::format("the board was found in {} of {} pictures: {}", search.sightings.size(),
+                                 pictures.cameras.size() * pictures.moments.size(),
+                                 instead.empty()
+                                     ? "neither markers nor a chessboard are to be recognised: bring the board nearer "
+                                       "(its squares 15 pixels or more), hold it still, the whole of it in the picture"
+                                     : instead));
+}
+
+}  // namespace rotunda::capture

@@ -1,0 +1,14 @@
+#pragma once
+// What no calibration can begin without, and what the pictures show instead: refused in words that say what to do.
+#include "capture/calibration/board_search.h"
+
+namespace rotunda::capture {
+
+// Throws InvalidInput: one camera only, or fewer moments than lenses take.
+void refuse_too_little(std::size_t cameras, std::size_t moments, const CalibrateOptions& options);
+
+// Throws InvalidInput where no camera saw the board often enough: another board, a mirrored one, or none at all. Few
+// markers of a board that is not there are found by chance. Looks at a few pictures only.
+void refuse_another_board(const BoardSearch& search, const BoardPictures& pictures, const CalibrateOptions& options);
+
+}  // namespace rotunda::capture
