@@ -6,27 +6,18 @@
 #include <string>
 #include <vector>
 
+#include "playback/motion_strand.h"
 #include "playback/performance_script.h"
+#include "playback/stride_phase.h"
 #include "recon/motion/motion_graph.h"
 
 namespace rotunda::playback {
-
-// One clip's share of what is seen.
-struct Layer {
-  std::size_t clip = 0;  // of the graph
-  double frame = 0.0;    // between frames where the character goes faster or slower than it was recorded
-  double weight = 1.0;   // of all layers together 1
-  recon::FloorPose world_from_clip;
-};
 
 struct Appearance {
   std::vector<Layer> layers;  // the last is the one that is blended in
   Eigen::Vector2d place = Eigen::Vector2d::Zero();
   double heading = 0.0;  // radians
 };
-
-// The roots of every clip's frames over its floor, in the graph's order.
-using RootPaths = std::vector<std::vector<Eigen::Vector2d>>;
 
 class CharacterPlayer {
  public:
@@ -42,16 +33,17 @@ class CharacterPlayer {
   const std::string& wanted() const { return wanted_; }  // the state asked for
   bool in_state() const { return transition_ == nullptr; }
   long seams() const { return seams_; }  // begun so far, those of cycles not counted
+  double aim() const;                    // the heading when all turns asked for are done, radians
   double rate() const;                   // of playing, against the recording
+  double companion_share() const { return companion_ ? companion_->share : 0.0; }  // of another gait, blended by speed
   const recon::MotionGraph& graph() const { return graph_; }
 
  private:
-  struct Track {
-    std::size_t clip = 0;
-    double frame = 0.0;
-    recon::FloorPose world_from_clip;
-    int blend = recon::kBlendFrames;
-    double blended = 0.0;  // frames since it began to be blended in
+  // Another cycle that goes along at the same phase of the stride.
+  struct Companion {
+    const recon::MotionState* state = nullptr;
+    MotionStrand strand;
+    double share = 0.0;
   };
   struct Seam {
     const recon::Join* join = nullptr;
@@ -64,13 +56,21 @@ class CharacterPlayer {
   const recon::MotionTransition* wanted_transition() const;
   Seam next_seam() const;
   void pass(const Seam& seam);
-  void move(double frames);
+  void play(double frames);
   void turn(double seconds);
+  StridePace pace_of(const recon::MotionState& state) const;
+  const recon::MotionState* wanted_companion() const;
+  double wanted_share() const;
+  void lead_companion(double seconds);
+  void keep_phase();
+  double stride_seconds() const;
+  Eigen::Vector2d place(const MotionStrand& strand) const { return place_of(strand.layers(graph_, 1.0), roots_); }
   Eigen::Vector2d pivot() const;
 
   recon::MotionGraph graph_;
   RootPaths roots_;
-  std::vector<Track> tracks_;  // the last is current, those before fade out
+  std::optional<MotionStrand> strand_;
+  std::optional<Companion> companion_;
   const recon::MotionState* state_ = nullptr;
   const recon::MotionTransition* transition_ = nullptr;  // being played
   const recon::MotionTransition* action_ = nullptr;      // asked for

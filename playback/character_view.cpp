@@ -26,7 +26,15 @@ Orbit CharacterView::orbit_for(double aspect) const {
 
 void CharacterView::follow(const Appearance& appearance, double seconds) {
   const double share = 1.0 - std::exp(-seconds / kFollow);
-  orbit_.target.head<2>() += share * (appearance.place - orbit_.target.head<2>());
+  orbit_.target.head<2>() += share * (appearance.place + beside_ - orbit_.target.head<2>());
+}
+
+void CharacterView::shift(const Eigen::Vector2d& heights) {
+  const auto eye = orbit_.viewpoint(2, 2);
+  const double metres = 2.0 * orbit_.distance * std::tan(0.5 * orbit_.field_of_view);
+  const Eigen::Vector3d way = -metres * (heights.x() * eye.R.row(0) + heights.y() * eye.R.row(1)).transpose();
+  orbit_.target += way;
+  beside_ += way.head<2>();
 }
 
 void CharacterView::draw(const Appearance& appearance, int width, int height, const CharacterViewOptions& options) {

@@ -27,12 +27,16 @@ class CharacterView {
   Orbit orbit_for(double aspect) const;
   // The eye's target goes after the character, evened out over a third of a second; at once after a long time.
   void follow(const Appearance& appearance, double seconds);
+  // Shifts the picture by so much of its height, right and down; the eye goes on following beside the character.
+  void shift(const Eigen::Vector2d& heights);
+  void centre() { beside_.setZero(); }
   void draw(const Appearance& appearance, int width, int height, const CharacterViewOptions& options);
 
  private:
   CharacterRenderer renderer_;
   Stage stage_;
   Orbit orbit_;
+  Eigen::Vector2d beside_ = Eigen::Vector2d::Zero();  // of the character, where the eye looks
 };
 
 }  // namespace rotunda::playback

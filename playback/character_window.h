@@ -1,7 +1,6 @@
 #pragma once
-// Steers a character in a window. Keys: 1 to 9 its states and actions; left, right turn it; up, down its speed; the
-// dragged mouse goes round it, the wheel and + - zoom; space freezes; , plays a quarter as fast; . steps; Home looks
-// from the front; g grey; F1 help; q or Esc ends.
+// Steers a character in a window, with its state, a small map of its graph and help laid over the picture. The keys:
+// character_desk.h.
 #include <filesystem>
 #include <stop_token>
 

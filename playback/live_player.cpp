@@ -47,6 +47,8 @@ void press(LiveStage& stage, LiveControl& control, Key key) {
       return;
     case Key::next:
     case Key::previous:
+    case Key::map:
+    case Key::follow:
     case Key::help:
       return;
   }

@@ -70,11 +70,12 @@ class ScriptReader {
     map.read("end", end, "true");
     if (end) script_.seconds = timed.at;
     read_command(map, timed.command);
-    const bool says_nothing = !end && !map.find("state") && !map.find("turn_deg") && !map.find("speed");
+    const bool says_nothing =
+        !end && !map.find("state") && !map.find("turn_deg") && !map.find("heading_deg") && !map.find("speed");
     map.refuse_unknown_keys();
     if (says_nothing)
       problems_.push_back({node.Mark().line + 1, node.Mark().column + 1, path,
-                           "asks for nothing; expected state, turn_deg, speed or end"});
+                           "asks for nothing; expected state, turn_deg, heading_deg, speed or end"});
     if (!end) script_.commands.push_back(std::move(timed));
   }
 
@@ -86,6 +87,10 @@ class ScriptReader {
     if (map.find("turn_deg")) {
       map.read<double>("turn_deg", number, "degrees to the left, -3600 to 3600", config::between(-3600.0, 3600.0));
       command.turn = number * std::numbers::pi / 180.0;
+    }
+    if (map.find("heading_deg")) {
+      map.read<double>("heading_deg", number, "degrees, -360 to 360", config::between(-360.0, 360.0));
+      command.heading = number * std::numbers::pi / 180.0;
     }
     if (map.find("speed")) {
       map.read<double>("speed", number, "m/s, 0 to 10", config::between(0.0, 10.0));

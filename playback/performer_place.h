@@ -2,6 +2,8 @@
 // Where an eye that follows the performer looks: the middle of the body, world, metres. It moves over the floor with
 // the root, evened out over half a second so that it does not bob with each step, and keeps one height over all the
 // frames.
+#include <span>
+
 #include "recon/video/geometry_video.h"
 
 namespace rotunda::playback {
@@ -11,7 +13,16 @@ struct FrameRange {
   int count() const { return last - first; }
 };
 
-// `frame` lies within `range`, which is not empty and within the video.
-Eigen::Vector3d performer_place(const recon::GeometryVideoHeader& header, const FrameRange& range, int frame);
+// Lent: where the root is in each frame, world, and the box that the body needs about it over all of them.
+struct PerformerPath {
+  std::span<const Eigen::Vector3d> root;
+  Eigen::AlignedBox3d box;
+  double fps = 25.0;
+  int frame_count() const { return static_cast<int>(root.size()); }
+};
+PerformerPath performer_path(const recon::GeometryVideoHeader& header);
+
+// `frame` lies within `range`, which is not empty and within the path.
+Eigen::Vector3d performer_place(const PerformerPath& path, const FrameRange& range, int frame);
 
 }  // namespace rotunda::playback

@@ -63,6 +63,8 @@ void press(PlayState& state, Key key) {
     case Key::grey:
       state.draw.shading = state.draw.shading == Shading::grey ? Shading::colour : Shading::grey;
       return;
+    case Key::map:
+    case Key::follow:
     case Key::help:  // this player's keys stand in `rotunda play --help`
       return;
     case Key::quit:
@@ -115,7 +117,7 @@ PlayReport play(recon::GeometryVideoReader& video, const PlayOptions& options) {
       }
     }
     if (window.width() > 0 && window.height() > 0) {
-      state.orbit.target = performer_place(header, all, shown);
+      state.orbit.target = performer_place(performer_path(header), all, shown);
       window.bind();
       clear(kBackground);
       renderer.draw(state.orbit.viewpoint(window.width(), window.height()), state.draw);

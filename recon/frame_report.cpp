@@ -25,6 +25,7 @@ std::string frame_report(std::size_t frame, const std::string& failure, const Su
   report["dropped_voxels"] = surface.cut.dropped_voxels;
   report["rims"] = surface.rims;
   if (!surface.disagreeing.empty()) report["disagreeing_cameras"] = surface.disagreeing;
+  for (const auto& back : surface.put_back) report["put_back_share"][back.camera] = back.share;
   for (const auto& denied : surface.denied) report["denied_share"][denied.camera] = denied.share;
   if (unseen) report["unseen_share"] = *unseen;
   report["stages"] = nlohmann::json::array();

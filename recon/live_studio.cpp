@@ -55,7 +55,7 @@ CameraKey key_of(const capture::CameraModel& camera, const capture::FrameSlot& s
       plate = capture::fit_plate_picture(picture.rgb, studio.views.backdrop);
     made.fitted = true;
   }
-  if (plate.empty() || capture::backdrop_of(plate) != studio.views.backdrop)
+  if (plate.empty() || !capture::is_before_screen(plate, studio.views.backdrop, stage))
     made.no_screen = true;
   else
     made.key.emplace(plate, slot.frame->image.format, capture::LiveKeyOptions{studio.views.backdrop, stage});
@@ -73,7 +73,8 @@ std::vector<std::string> remarks_on(const std::vector<CameraKey>& keys, std::spa
   if (const auto fitted = names(&CameraKey::fitted); !fitted.empty())
     remarks.push_back("no plate of the empty studio for " + fitted + ", a smooth one was fitted: rotunda plate");
   if (const auto without = names(&CameraKey::no_screen); !without.empty())
-    remarks.push_back("no screen of the rig's colour before " + without + ", whose key is slow");
+    remarks.push_back("no screen of the rig's colour before " + without +
+                      ", which live surfaces do without or key slowly");
   return remarks;
 }
 

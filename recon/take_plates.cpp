@@ -96,8 +96,8 @@ void make_live_keys(const capture::TakeReader& take, StudioViews& studio) {
     if (plate.empty())
       if (const auto first = pictures_of(take, i, 1); !first.empty())
         plate = capture::fit_plate_picture(first.front(), studio.backdrop);
-    if (plate.empty() || capture::backdrop_of(plate) != studio.backdrop) return std::nullopt;
     const cv::Mat stage = i < studio.stages.size() ? studio.stages[i] : cv::Mat();
+    if (plate.empty() || !capture::is_before_screen(plate, studio.backdrop, stage)) return std::nullopt;
     return capture::LiveKey(plate, take.info().cameras[i].format, {studio.backdrop, stage});
   };
   studio.live_keys.resize(studio.cameras.size());

@@ -15,6 +15,7 @@
 #include "capture/picture.h"
 #include "capture/take/take_reader.h"
 #include "config/errors.h"
+#include "recon/alignment_store.h"
 #include "recon/frame_reconstruction.h"
 #include "recon/frame_report.h"
 #include "recon/mesh/mesh_file.h"
@@ -61,6 +62,8 @@ class TakeReconstruction {
   void export_mesh(std::size_t frame, const TriangleMesh& mesh) const;
   void export_resumed(std::size_t frame);
   std::vector<std::size_t> mapped_frames() const;
+  void align_frames();
+  GeometryImage image(std::size_t frame) const;
   GeometryImage image_or_between(std::size_t frame, const std::vector<std::size_t>& mapped) const;
   void write_video();
 
@@ -138,6 +141,8 @@ TakeReconstructionReport TakeReconstruction::run() {
   for (std::size_t frame = first_; frame < end_; ++frame)
     if (const auto reason = store_->failure(frame)) report_.failed.push_back({frame, *reason});
   report_.mapped = mapped_frames().size();
+  if (!report_.interrupted && report_.mapped > 0 && options_.align) align_frames();
+  report_.interrupted = stop_.stop_requested();
   if (!report_.interrupted && report_.mapped > 0) clock_.run("encode", [&] { write_video(); });
   report_.stages = clock_.costs();
   report_.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
@@ -236,7 +241,7 @@ void TakeReconstruction::finish(Work& work) {
 void TakeReconstruction::count_finished() {
   const std::lock_guard lock(done_mutex_);
   ++done_;
-  if (tell_) tell_(done_, end_ - first_);
+  if (tell_) tell_(done_, (end_ - first_) * (options_.align ? 2 : 1));
 }
 
 void TakeReconstruction::export_mesh(std::size_t frame, const TriangleMesh& mesh) const {
@@ -263,20 +268,41 @@ std::vector<std::size_t> TakeReconstruction::mapped_frames() const {
   return mapped;
 }
 
+// What has no lengths that a body could be told by stays as it is, and the report says so.
+void TakeReconstruction::align_frames() {
+  const TakeAlignmentOptions options{.take = options_.take,
+                                     .reference = options_.reference,
+                                     .calibration = options_.calibration,
+                                     .frames = std::pair(first_, end_),
+                                     .jobs = options_.jobs};
+  if (!options_.reference && studio_.unit != "m") {
+    report_.unaligned = "the calibration is not in metres";
+    return;
+  }
+  report_.alignment = align_take(
+      options, [&](std::size_t, std::size_t) { count_finished(); }, stop_);
+}
+
+GeometryImage TakeReconstruction::image(std::size_t frame) const {
+  if (!report_.alignment) return store_->image(frame);
+  return AlignmentStore(AlignmentStore::folder_of(take_.folder())).image(frame);
+}
+
 GeometryImage TakeReconstruction::image_or_between(std::size_t frame, const std::vector<std::size_t>& mapped) const {
   const auto after = std::lower_bound(mapped.begin(), mapped.end(), frame);
-  if (after != mapped.end() && *after == frame) return store_->image(frame);
-  if (after == mapped.begin()) return store_->image(*after);
-  if (after == mapped.end()) return store_->image(mapped.back());
+  if (after != mapped.end() && *after == frame) return image(frame);
+  if (after == mapped.begin()) return image(*after);
+  if (after == mapped.end()) return image(mapped.back());
   const auto before = after[-1];
   const double share = static_cast<double>(frame - before) / static_cast<double>(*after - before);
-  return interpolate(store_->image(before), store_->image(*after), share);
+  return interpolate(image(before), image(*after), share);
 }
 
 void TakeReconstruction::write_video() {
   const auto mapped = mapped_frames();
   GeometryVideoHeader header;
   header.fps = take_.info().fps;
+  header.aligned = report_.alignment.has_value();
   header.first_frame = static_cast<std::int64_t>(first_);
   for (std::size_t frame = first_; frame < end_; ++frame) {
     const auto reason = store_->failure(frame);

@@ -12,6 +12,7 @@
 
 #include "recon/camera_standing.h"
 #include "recon/stage_clock.h"
+#include "recon/take_alignment.h"
 
 namespace rotunda::recon {
 
@@ -27,10 +28,12 @@ struct TakeReconstructionOptions {
   int colour_level = 8;
   int tolerate_misses = 0;  // so many mattes may lack a part of the performer that the others show
   Quality quality = Quality::full;
-  int jobs = 0;                                 // frames at once; 0: one a core
-  bool paper = false;                           // also write the paper's 24-bit AVI
-  std::optional<std::filesystem::path> meshes;  // one PLY a frame
-  std::optional<std::filesystem::path> mattes;  // DIR/<camera>/frame000000.png
+  int jobs = 0;                                    // frames at once; 0: one a core
+  bool paper = false;                              // also write the paper's 24-bit AVI
+  bool align = false;                              // sample every frame at the same points (take_alignment.h)
+  std::optional<std::filesystem::path> reference;  // of `align`: another take of the same person
+  std::optional<std::filesystem::path> meshes;     // one PLY a frame
+  std::optional<std::filesystem::path> mattes;     // DIR/<camera>/frame000000.png
 };
 
 struct FailedFrame {
@@ -41,10 +44,12 @@ struct FailedFrame {
 struct TakeReconstructionReport {
   std::filesystem::path video;  // empty if no frame could be mapped or it was interrupted
   std::size_t frames = 0;
-  std::size_t mapped = 0;            // of these, also those of an earlier run
-  std::size_t resumed = 0;           // of these, finished in an earlier run
-  std::vector<FailedFrame> failed;   // in the video these are made from their neighbours and marked so
-  std::vector<StageCost> stages;     // of this run
+  std::size_t mapped = 0;                        // of these, also those of an earlier run
+  std::size_t resumed = 0;                       // of these, finished in an earlier run
+  std::vector<FailedFrame> failed;               // in the video these are made from their neighbours and marked so
+  std::vector<StageCost> stages;                 // of this run
+  std::optional<TakeAlignmentReport> alignment;  // none: not asked for, or `unaligned` says why there is none
+  std::string unaligned;
   double wall_s = 0.0, cpu_s = 0.0;  // of this run, CPU of the whole process
   bool interrupted = false;
   std::vector<CameraStanding> cameras;  // of the take; also in recon/cameras.json

@@ -1,5 +1,7 @@
 #include "playback/display/window.h"
 
+#include <algorithm>
+#include <array>
 #include <optional>
 #include <utility>
 
@@ -25,9 +27,28 @@ std::optional<Key> key_of(int glfw_key) {
       {GLFW_KEY_KP_ADD, Key::plus}, {GLFW_KEY_MINUS, Key::minus},    {GLFW_KEY_KP_SUBTRACT, Key::minus},
       {GLFW_KEY_PERIOD, Key::next}, {GLFW_KEY_COMMA, Key::previous}, {GLFW_KEY_HOME, Key::home},
       {GLFW_KEY_G, Key::grey},      {GLFW_KEY_Q, Key::quit},         {GLFW_KEY_ESCAPE, Key::quit},
-      {GLFW_KEY_F1, Key::help}};
+      {GLFW_KEY_F1, Key::help},     {GLFW_KEY_M, Key::map},          {GLFW_KEY_F, Key::follow}};
   for (const auto& [number, key] : kKeys)
     if (number == glfw_key) return key;
+  return std::nullopt;
+}
+
+// The first device that GLFW's database knows as a gamepad. Its sticks' y axes point to the hand.
+std::optional<Gamepad> gamepad_now(std::array<bool, 6>& held) {
+  constexpr int kButtons[] = {GLFW_GAMEPAD_BUTTON_A, GLFW_GAMEPAD_BUTTON_B,     GLFW_GAMEPAD_BUTTON_X,
+                              GLFW_GAMEPAD_BUTTON_Y, GLFW_GAMEPAD_BUTTON_START, GLFW_GAMEPAD_BUTTON_BACK};
+  GLFWgamepadstate state;
+  for (int device = GLFW_JOYSTICK_1; device <= GLFW_JOYSTICK_LAST; ++device) {
+    if (!glfwJoystickIsGamepad(device) || !glfwGetGamepadState(device, &state)) continue;
+    for (std::size_t i = 0; i < held.size(); ++i) held[i] = state.buttons[kButtons[i]] == GLFW_PRESS;
+    const auto axis = [&](int which) { return static_cast<double>(state.axes[which]); };
+    return Gamepad{.left_right = axis(GLFW_GAMEPAD_AXIS_LEFT_X),
+                   .left_up = -axis(GLFW_GAMEPAD_AXIS_LEFT_Y),
+                   .right_right = axis(GLFW_GAMEPAD_AXIS_RIGHT_X),
+                   .right_up = -axis(GLFW_GAMEPAD_AXIS_RIGHT_Y),
+                   .closer = 0.5 + 0.5 * axis(GLFW_GAMEPAD_AXIS_RIGHT_TRIGGER),
+                   .farther = 0.5 + 0.5 * axis(GLFW_GAMEPAD_AXIS_LEFT_TRIGGER)};
+  }
   return std::nullopt;
 }
 
@@ -37,6 +58,7 @@ struct Window::Handles {
   GLFWwindow* window = nullptr;
   WindowInput input;
   double last_x = 0.0, last_y = 0.0;  // of the mouse, screen coordinates
+  std::array<bool, 6> held{};         // of the gamepad's buttons
 
   static Handles& of(GLFWwindow* window) { return *static_cast<Handles*>(glfwGetWindowUserPointer(window)); }
 
@@ -51,9 +73,14 @@ struct Window::Handles {
     Handles& handles = of(window);
     int width = 1, height = 1;
     glfwGetWindowSize(window, &width, &height);
-    if (glfwGetMouseButton(window, GLFW_MOUSE_BUTTON_LEFT) == GLFW_PRESS && height > 0) {
-      handles.input.drag_x += (x - handles.last_x) / height;
-      handles.input.drag_y += (y - handles.last_y) / height;
+    const double across = (x - handles.last_x) / std::max(1, height), down = (y - handles.last_y) / std::max(1, height);
+    const auto pressed = [&](int button) { return glfwGetMouseButton(window, button) == GLFW_PRESS; };
+    if (pressed(GLFW_MOUSE_BUTTON_LEFT)) {
+      handles.input.drag_x += across;
+      handles.input.drag_y += down;
+    } else if (pressed(GLFW_MOUSE_BUTTON_RIGHT) || pressed(GLFW_MOUSE_BUTTON_MIDDLE)) {
+      handles.input.shift_x += across;
+      handles.input.shift_y += down;
     }
     handles.last_x = x;
     handles.last_y = y;
@@ -124,6 +151,10 @@ void Window::wait_for_input(double seconds) {
 }
 
 WindowInput Window::take_input() {
+  const auto held = handles_->held;
+  handles_->input.gamepad = gamepad_now(handles_->held);
+  for (std::size_t i = 0; i < held.size(); ++i)
+    if (handles_->held[i] && !held[i]) handles_->input.buttons.push_back(static_cast<Button>(i));
   return std::exchange(handles_->input, {});
 }
 

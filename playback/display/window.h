@@ -3,18 +3,10 @@
 // must be the program's first. Throws DeviceError if there is no display or it gives no such context.
 #include <memory>
 #include <string>
-#include <vector>
+
+#include "playback/display/window_input.h"
 
 namespace rotunda::playback {
-
-enum class Key { left, right, up, down, space, plus, minus, next, previous, home, grey, help, quit };
-
-struct WindowInput {
-  std::vector<Key> keys;              // pressed or repeated since last asked
-  std::vector<int> digits;            // of these, 1 to 9
-  double drag_x = 0.0, drag_y = 0.0;  // of the mouse with a button down, in window heights
-  double scroll = 0.0;                // notches, away from the hand is positive
-};
 
 struct WindowOptions {
   std::string title = "rotunda";

@@ -11,104 +11,30 @@
 namespace rotunda::playback {
 namespace {
 
-constexpr std::string_view kVertex = R"(
-uniform highp usampler2D u_positions0;
-#if LAYERS > 1
-uniform highp usampler2D u_positions1;
-#endif
-#if LAYERS > 2
-uniform highp usampler2D u_positions2;
-#endif
-#if LAYERS > 3
-uniform highp usampler2D u_positions3;
-#endif
-uniform mat4 u_world_from_texel[LAYERS];  // weights are in them
-uniform int u_side, u_stride;
-ivec2 lattice_place() { return ivec2(gl_VertexID % u_side, gl_VertexID / u_side); }
-vec3 at(ivec2 p) {
-  p *= u_stride;
-  vec3 sum = (u_world_from_texel[0] * vec4(texelFetch(u_positions0, p, 0).xyz, 1.0)).xyz;
-#if LAYERS > 1
-  sum += (u_world_from_texel[1] * vec4(texelFetch(u_positions1, p, 0).xyz, 1.0)).xyz;
-#endif
-#if LAYERS > 2
-  sum += (u_world_from_texel[2] * vec4(texelFetch(u_positions2, p, 0).xyz, 1.0)).xyz;
-#endif
-#if LAYERS > 3
-  sum += (u_world_from_texel[3] * vec4(texelFetch(u_positions3, p, 0).xyz, 1.0)).xyz;
-#endif
-  return sum;
+// A line for each layer, with its number in it.
+std::string each_layer(std::size_t layers, std::string_view line) {
+  std::string text;
+  for (std::size_t i = 0; i < layers; ++i) text += fmt::format(fmt::runtime(line), i);
+  return text;
 }
-vec3 sample_at(ivec2 p) {  // beyond a border line the lattice goes on by reflection about the line's middle
-  int last = u_side - 1;
-  if (p.y < 0) p = ivec2(last - p.x, -p.y);
-  if (p.y > last) p = ivec2(last - p.x, 2 * last - p.y);
-  if (p.x < 0) p = ivec2(-p.x, last - p.y);
-  if (p.x > last) p = ivec2(2 * last - p.x, last - p.y);
-  return at(p);
-}
-vec3 place() { return at(lattice_place()); }
-vec3 outwards() {
-  ivec2 here = lattice_place();
-  vec3 across = sample_at(here + ivec2(1, 0)) - sample_at(here - ivec2(1, 0));
-  vec3 down = sample_at(here + ivec2(0, 1)) - sample_at(here - ivec2(0, 1));
-  return normalize(cross(across, down) + vec3(0.0, 0.0, 1e-20));
-}
-#ifndef GREY
-uniform float u_colour_side;
-out vec2 v_texel;
-void paint() {  // lattice samples are texel centres
-  v_texel = (vec2(lattice_place()) / float(u_side - 1) * (u_colour_side - 1.0) + 0.5) / u_colour_side;
-}
-#endif
-)";
 
-constexpr std::string_view kFragment = R"(
-uniform sampler2D u_colours0;
-#if LAYERS > 1
-uniform sampler2D u_colours1;
-#endif
-#if LAYERS > 2
-uniform sampler2D u_colours2;
-#endif
-#if LAYERS > 3
-uniform sampler2D u_colours3;
-#endif
-uniform float u_weight[LAYERS];
-in vec2 v_texel;
-vec3 colour() {
-  vec3 sum = u_weight[0] * texture(u_colours0, v_texel).rgb;
-#if LAYERS > 1
-  sum += u_weight[1] * texture(u_colours1, v_texel).rgb;
-#endif
-#if LAYERS > 2
-  sum += u_weight[2] * texture(u_colours2, v_texel).rgb;
-#endif
-#if LAYERS > 3
-  sum += u_weight[3] * texture(u_colours3, v_texel).rgb;
-#endif
-  return sum;
+std::string vertex_body(std::size_t layers) {
+  const auto positions = each_layer(layers, "uniform highp usampler2D u_positions{0};\n");
+  const auto sum = each_layer(
+      layers, "  sum += (u_world_from_texel[{0}] * vec4(texelFetch(u_positions{0}, texel, 0).xyz, 1.0)).xyz;\n");
+  return lattice_vertex_body(positions +
+                             fmt::format("uniform mat4 u_world_from_texel[{}];  // weights are in them\n", layers) +
+                             "vec3 at(ivec2 texel) {\n  vec3 sum = vec3(0.0);\n" + sum + "  return sum;\n}\n");
 }
-)";
+
+std::string fragment_body(std::size_t layers) {
+  const auto colours = each_layer(layers, "uniform sampler2D u_colours{0};\n");
+  const auto sum = each_layer(layers, "  sum += u_weight[{0}] * texture(u_colours{0}, v_texel).rgb;\n");
+  return colours + fmt::format("uniform float u_weight[{}];\n", layers) +
+         "in vec2 v_texel;\nvec3 colour() {\n  vec3 sum = vec3(0.0);\n" + sum + "  return sum;\n}\n";
+}
 
 constexpr double kLevels = 65535.0;  // of a stored position, along each side of the box
-
-std::string with_layers(std::size_t layers, std::string_view body) {
-  return fmt::format("#define LAYERS {}\n{}", layers, body);
-}
-
-GlTexture texture_of(GLenum storage, GLenum format, GLenum type, int side, GLint filter, const void* texels) {
-  GlTexture texture = make_texture();
-  glBindTexture(GL_TEXTURE_2D, texture.get());
-  glTexStorage2D(GL_TEXTURE_2D, 1, storage, side, side);
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, filter);
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, filter);
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
-  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
-  glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, side, side, format, type, texels);
-  return texture;
-}
 
 std::vector<std::uint16_t> coded_positions(const recon::GeometryImage& image, const Eigen::AlignedBox3d& box) {
   const Eigen::Vector3d low = box.min(), size = box.sizes().cwiseMax(1e-9);
@@ -142,8 +68,7 @@ struct CharacterRenderer::DrawnLayer {
   recon::FloorPose world_from_clip;
 };
 
-CharacterRenderer::CharacterRenderer(const std::filesystem::path& character, const recon::MotionGraph& graph)
-    : vertices_(make_vertex_array()) {
+CharacterRenderer::CharacterRenderer(const std::filesystem::path& character, const recon::MotionGraph& graph) {
   for (const auto& clip : graph.clips)
     clips_.push_back(std::make_unique<Clip>(recon::clip_video_of(character, clip.name)));
   inside_out_ = turns_inwards(clips_.front()->video.read(0));
@@ -184,10 +109,10 @@ void CharacterRenderer::adopt(std::size_t clip, int frame, const recon::Geometry
   if (textures) return;
   const auto coded = coded_positions(image, clips_[clip]->video.header().box);
   textures.emplace();
-  textures->positions =
-      texture_of(GL_RGB16UI, GL_RGB_INTEGER, GL_UNSIGNED_SHORT, image.side(), GL_NEAREST, coded.data());
-  textures->colours =
-      texture_of(GL_RGB8, GL_RGB, GL_UNSIGNED_BYTE, image.colour_side(), GL_LINEAR, image.colours.data());
+  textures->positions = lattice_texture(GL_RGB16UI, image.side(), GL_NEAREST);
+  textures->colours = lattice_texture(GL_RGB8, image.colour_side(), GL_LINEAR);
+  fill_texture(textures->positions, image.side(), GL_RGB_INTEGER, GL_UNSIGNED_SHORT, coded.data());
+  fill_texture(textures->colours, image.colour_side(), GL_RGB, GL_UNSIGNED_BYTE, image.colours.data());
   texture_bytes_ += 6 * image.positions.size() + 3 * image.colours.size();
 }
 
@@ -225,9 +150,7 @@ std::vector<CharacterRenderer::DrawnLayer> CharacterRenderer::drawn_layers(const
 
 void CharacterRenderer::bind(const GlProgram& program, const std::vector<DrawnLayer>& layers, int drawn_level) {
   const auto& header = clips_[layers.front().clip]->video.header();
-  glUniform1i(uniform(program, "u_side"), (1 << drawn_level) + 1);
-  glUniform1i(uniform(program, "u_stride"), 1 << (header.level - drawn_level));
-  glUniform1f(uniform(program, "u_colour_side"), static_cast<float>((1 << header.colour_level) + 1));
+  set_lattice(program, drawn_level, header.level, header.colour_level);
   std::vector<float> places, weights;
   for (std::size_t i = 0; i < layers.size(); ++i) {
     const auto& layer = layers[i];
@@ -255,24 +178,12 @@ void CharacterRenderer::bind(const GlProgram& program, const std::vector<DrawnLa
   glUniform1fv(uniform(program, "u_weight"), static_cast<GLsizei>(layers.size()), weights.data());
 }
 
-const CharacterRenderer::Strips& CharacterRenderer::strips_of(int level) {
-  Strips& strips = strips_[level];
-  if (strips.count > 0) return strips;
-  const auto indices = lattice_strips(level);
-  strips.indices = make_buffer();
-  strips.count = static_cast<GLsizei>(indices.size());
-  glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, strips.indices.get());
-  glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(indices.size() * sizeof(indices[0])), indices.data(),
-               GL_STATIC_DRAW);
-  return strips;
-}
-
 void CharacterRenderer::draw(const Appearance& appearance, const Viewpoint& viewpoint, const DrawOptions& options,
                              int level) {
   const auto layers = drawn_layers(appearance);
   const int finest = clips_.front()->video.header().level, drawn = level > 0 ? std::min(level, finest) : finest;
   auto& program = programs_[layers.size() - 1];
-  if (!program) program.emplace(with_layers(layers.size(), kVertex), with_layers(layers.size(), kFragment));
+  if (!program) program.emplace(vertex_body(layers.size()), fragment_body(layers.size()));
   Eigen::AlignedBox3d around = box();
   around.translate(Eigen::Vector3d(appearance.place.x(), appearance.place.y(), 0.0));
   around.min().head<2>().array() -= 1.0;  // the box may be turned
@@ -280,12 +191,7 @@ void CharacterRenderer::draw(const Appearance& appearance, const Viewpoint& view
   const GlProgram& used = program->use(viewpoint, depth_range(viewpoint, around), options);
   if (inside_out_) glFrontFace(viewpoint.mirrored() ? GL_CCW : GL_CW);
   bind(used, layers, drawn);
-  glBindVertexArray(vertices_.get());
-  const Strips& strips = strips_of(drawn);
-  glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, strips.indices.get());
-  glEnable(GL_PRIMITIVE_RESTART_FIXED_INDEX);
-  glDrawElements(GL_TRIANGLE_STRIP, strips.count, GL_UNSIGNED_INT, nullptr);
-  glDisable(GL_PRIMITIVE_RESTART_FIXED_INDEX);
+  strips_.draw(drawn);
 }
 
 }  // namespace rotunda::playback

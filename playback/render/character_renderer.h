@@ -1,17 +1,16 @@
 #pragma once
-// Draws a character straight from the textures of its clips: the vertex shader fetches the positions of up to four
+// Draws a character straight from the textures of its clips: the vertex shader fetches the positions of up to six
 // layers, lays each over the floor and blends them; the fragment shader blends their colours (ALGORITHMS step 10).
 // Positions are 16 bits over their clip's box, as stored. Needs a current GLES 3 context.
 #include <array>
 #include <filesystem>
 #include <functional>
-#include <map>
 #include <memory>
 #include <optional>
 #include <vector>
 
 #include "playback/character_player.h"
-#include "playback/render/gl_objects.h"
+#include "playback/render/lattice_drawing.h"
 #include "playback/render/view_program.h"
 #include "playback/viewpoint.h"
 #include "recon/motion/motion_graph.h"
@@ -19,7 +18,7 @@
 
 namespace rotunda::playback {
 
-inline constexpr std::size_t kMostLayers = 4;
+inline constexpr std::size_t kMostLayers = 6;
 
 class CharacterRenderer {
  public:
@@ -43,18 +42,12 @@ class CharacterRenderer {
   struct Clip;
   struct FrameTextures;
   struct DrawnLayer;
-  struct Strips {
-    GlBuffer indices;
-    GLsizei count = 0;
-  };
   std::vector<DrawnLayer> drawn_layers(const Appearance& appearance);
   void bind(const GlProgram& program, const std::vector<DrawnLayer>& layers, int drawn_level);
-  const Strips& strips_of(int level);
 
   std::vector<std::unique_ptr<Clip>> clips_;
   std::array<std::optional<ViewProgram>, kMostLayers> programs_;  // by how many layers they blend
-  GlVertexArray vertices_;
-  std::map<int, Strips> strips_;
+  LatticeStrips strips_;
   std::size_t texture_bytes_ = 0;
   bool inside_out_ = false;
 };

@@ -1,14 +1,14 @@
 #include "playback/render/frame_painter.h"
 
-#include "capture/take/take_reader.h"
 #include "playback/render/geometry_image_renderer.h"
+#include "playback/render/mesh_renderer.h"
 #include "playback/render/view_dependent_renderer.h"
 #include "recon/sphere/resample.h"
-#include "recon/take_plates.h"
-#include "recon/take_studio.h"
 
 namespace rotunda::playback {
 namespace {
+
+constexpr recon::Colour kNoColour{128, 128, 128};
 
 class StoredPainter : public FramePainter {
  public:
@@ -24,40 +24,33 @@ class StoredPainter : public FramePainter {
 
 class ViewDependentPainter : public FramePainter {
  public:
-  ViewDependentPainter(recon::GeometryVideoReader& video, const std::filesystem::path& take,
-                       const std::optional<std::filesystem::path>& calibration)
-      : video_(video), stored_(video, {}), take_(take), studio_(recon::read_take_studio(take_, calibration)) {
-    recon::learn_missing_plates(take_, studio_.views);
-  }
+  ViewDependentPainter(SurfaceOf surface_of, std::shared_ptr<TakePictures> pictures, std::size_t first_frame)
+      : surface_of_(std::move(surface_of)), pictures_(std::move(pictures)), first_frame_(first_frame) {}
 
   void show(int frame) override {
-    const auto sources = sources_of(frame);
-    has_pictures_ = !sources.empty();
+    auto surface = surface_of_(frame);
+    if (surface.colours.empty()) surface.colours.assign(surface.positions.size(), kNoColour);
+    const auto views = pictures_->of(first_frame_ + static_cast<std::size_t>(frame));
+    has_pictures_ = !views.empty();
     if (has_pictures_)
-      renderer_.upload(recon::remesh(video_.read(frame)), sources);
+      renderer_.upload(surface, views);
     else
-      stored_.show(frame);
+      own_.upload(surface);
   }
 
   void draw(const Viewpoint& viewpoint) override {
     if (has_pictures_)
       renderer_.draw(viewpoint);
     else
-      stored_.draw(viewpoint);
+      own_.draw(viewpoint);
   }
 
  private:
-  std::vector<SourceView> sources_of(int frame) {
-    const auto number = static_cast<std::size_t>(video_.header().first_frame + frame);
-    recon::StageClock clock;
-    return source_views(recon::key_frame(take_.read(number), studio_.views, recon::given_mattes(take_, number), clock));
-  }
-
-  recon::GeometryVideoReader& video_;
-  StoredPainter stored_;
-  capture::TakeReader take_;
-  recon::TakeStudio studio_;
+  SurfaceOf surface_of_;
+  std::shared_ptr<TakePictures> pictures_;
+  std::size_t first_frame_;
   ViewDependentRenderer renderer_;
+  MeshRenderer own_;
   bool has_pictures_ = false;
 };
 
@@ -67,10 +60,15 @@ std::unique_ptr<FramePainter> stored_painter(recon::GeometryVideoReader& video, 
   return std::make_unique<StoredPainter>(video, options);
 }
 
+std::unique_ptr<FramePainter> view_dependent_painter(SurfaceOf surface_of, std::shared_ptr<TakePictures> pictures,
+                                                     std::size_t first_frame) {
+  return std::make_unique<ViewDependentPainter>(std::move(surface_of), std::move(pictures), first_frame);
+}
+
 std::unique_ptr<FramePainter> view_dependent_painter(recon::GeometryVideoReader& video,
-                                                     const std::filesystem::path& take,
-                                                     const std::optional<std::filesystem::path>& calibration) {
-  return std::make_unique<ViewDependentPainter>(video, take, calibration);
+                                                     std::shared_ptr<TakePictures> pictures) {
+  return view_dependent_painter([&video](int frame) { return recon::remesh(video.read(frame)); }, std::move(pictures),
+                                static_cast<std::size_t>(video.header().first_frame));
 }
 
 }  // namespace rotunda::playback

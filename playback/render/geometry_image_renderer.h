@@ -4,10 +4,10 @@
 // 2^k-th sample, a closed surface of its own. Needs a current GLES 3 context; throws DeviceError if the driver refuses
 // the shaders or the size.
 #include <array>
-#include <map>
 #include <optional>
 
 #include "playback/render/gl_objects.h"
+#include "playback/render/lattice_drawing.h"
 #include "playback/render/view_program.h"
 #include "playback/viewpoint.h"
 #include "recon/sphere/geometry_image.h"
@@ -30,22 +30,12 @@ class GeometryImageRenderer {
     bool inside_out = false;          // the lattice's rows and columns turn the other way
     Eigen::AlignedBox3d box;
   };
-  struct Strips {
-    GlBuffer indices;
-    GLsizei count = 0;
-  };
-  const Strips& strips_of(int level);
 
   ViewProgram program_;
-  GlVertexArray vertices_;  // holds no attributes: the vertex number says it all
   std::array<Slot, 3> slots_;
   std::size_t current_ = 0;
-  std::map<int, Strips> strips_;
+  LatticeStrips strips_;
 };
-
-// Triangle strips of the closed lattice, (2^level + 1)^2 samples row by row, 0xffffffff between strips. Quads are cut
-// along the octahedron's own edges; columns cross rows is the front.
-std::vector<std::uint32_t> lattice_strips(int level);
 
 // Whether the lattice's rows and columns turn the other way: its front faces are clockwise.
 bool turns_inwards(const recon::GeometryImage& image);

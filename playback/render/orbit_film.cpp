@@ -16,7 +16,7 @@ FrameRange range_of(const OrbitFilmOptions& options, int frames) {
   const FrameRange range{options.first_frame, options.last_frame < 0 ? frames : options.last_frame};
   if (range.first < 0 || range.last > frames || range.count() < 1)
     throw InvalidInput(
-        fmt::format("frames {}:{} are not in the video, which has 0:{}", range.first, range.last, frames));
+        fmt::format("frames {}:{} are not in what was recorded, which has 0:{}", range.first, range.last, frames));
   return range;
 }
 
@@ -31,30 +31,37 @@ Orbit first_orbit(const OrbitFilmOptions& options, const Eigen::AlignedBox3d& bo
 }  // namespace
 
 int render_orbit(recon::GeometryVideoReader& video, const OrbitFilmOptions& options, FilmWriter& film) {
-  return render_orbit(video, *stored_painter(video, options.draw), options, film);
+  const auto painter = stored_painter(video, options.draw);
+  return render_orbit(performer_path(video.header()), {painter.get()}, options, film);
 }
 
-int render_orbit(const recon::GeometryVideoReader& video, FramePainter& painter, const OrbitFilmOptions& options,
+int render_orbit(const PerformerPath& path, const std::vector<FramePainter*>& painters, const OrbitFilmOptions& options,
                  FilmWriter& film) {
-  const recon::GeometryVideoHeader& header = video.header();
-  const FrameRange range = range_of(options, header.frame_count());
+  const FrameRange range = range_of(options, path.frame_count());
   if (options.supersample < 1 || options.supersample > 4 || options.width < 1 || options.height < 1)
     throw InvalidInput("a film needs a size, and is drawn 1 to 4 times as large");
   const int all = options.pictures > 0 ? options.pictures : range.count();
   const int width = options.width * options.supersample, height = options.height * options.supersample;
   const RenderTarget target(width, height);
-  Orbit orbit = first_orbit(options, header.box);
+  Orbit orbit = first_orbit(options, path.box);
   int shown = -1;
   for (int picture = 0; picture < all; ++picture) {
     if (options.stop.stop_requested()) return picture;
     const int frame = range.first + picture % range.count();
-    if (frame != shown) painter.show(frame);
+    if (frame != shown)
+      for (auto* painter : painters) painter->show(frame);
     shown = frame;
-    orbit.target = performer_place(header, range, frame);
-    target.bind();
-    clear(options.background);
-    painter.draw(orbit.viewpoint(width, height));
-    film.write(reduce(target.read_rgba(), options.supersample));
+    orbit.target = performer_place(path, range, frame);
+    std::vector<cv::Mat> tiles;
+    for (auto* painter : painters) {
+      target.bind();
+      clear(options.background);
+      painter->draw(orbit.viewpoint(width, height));
+      tiles.push_back(reduce(target.read_rgba(), options.supersample));
+    }
+    cv::Mat row;
+    cv::hconcat(tiles, row);
+    film.write(row);
     orbit.turn(2.0 * std::numbers::pi * options.turns / all, 0.0);
     if (options.progress) options.progress(picture + 1, all);
   }

@@ -1,10 +1,12 @@
 #pragma once
-// A geometry video seen by an eye that goes round it: the film `rotunda render --orbit` makes. The eye follows the
-// performer over the floor. Needs a current GLES 3 context.
+// A performer seen by an eye that goes round: the film `rotunda render --orbit` makes of a geometry video. The eye
+// follows over the floor. Needs a current GLES 3 context.
 #include <functional>
 #include <optional>
 #include <stop_token>
+#include <vector>
 
+#include "playback/performer_place.h"
 #include "playback/render/film_writer.h"
 #include "playback/render/frame_painter.h"
 #include "playback/render/view_program.h"
@@ -30,8 +32,9 @@ struct OrbitFilmOptions {
 // The pictures drawn: all of them and the film is finished, or fewer if it was asked to stop; then the film is not
 // finished, and closing its writer leaves nothing. Throws InvalidInput for an empty range or a size that cannot be.
 int render_orbit(recon::GeometryVideoReader& video, const OrbitFilmOptions& options, FilmWriter& film);
-// The same with somebody else to draw the video's frames; `options.draw` goes unused.
-int render_orbit(const recon::GeometryVideoReader& video, FramePainter& painter, const OrbitFilmOptions& options,
+// The same drawn by others, side by side: the film is so many times as wide as `options.width`; `options.draw` goes
+// unused.
+int render_orbit(const PerformerPath& path, const std::vector<FramePainter*>& painters, const OrbitFilmOptions& options,
                  FilmWriter& film);
 
 // A picture drawn `factor` times too large, averaged; straight alpha stays straight.

@@ -147,7 +147,7 @@ std::optional<BodyStart> start_body(const FrameOutlines& frame, const std::optio
   }
   std::optional<BodyStart> best;
   for (const auto& pose : poses) {  // each with the measures that suit it, for feet and elbows tell front from back
-    const auto solved = fit_template(start.body, {&frame, 1}, {&pose, 1}, 6);
+    const auto solved = fit_body(start.body, {&frame, 1}, {&pose, 1}, 6);
     auto fit = fit_pose(solved.body, frame, solved.poses.front(), {.iterations = 12});
     if (!best || fit.residual < best->fit.residual) best = BodyStart{solved.body, std::move(fit)};
   }

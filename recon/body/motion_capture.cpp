@@ -175,7 +175,7 @@ void MotionCapture::solve_template(Start& start) {
   walk(1);
   walk(-1);
   if (frames.empty() || stop_.stop_requested()) return;
-  auto solved = clock_.run("template", [&] { return fit_template(start.found.body, frames, poses, 8); });
+  auto solved = clock_.run("template", [&] { return fit_body(start.found.body, frames, poses, 8); });
   const auto seen = outlines(start.frame);
   const auto nearest = fit_pose(solved.body, seen, start.found.fit.pose, {.iterations = 12});
   start.found = {std::move(solved.body), nearest};

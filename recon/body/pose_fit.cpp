@@ -235,9 +235,9 @@ PoseFit fit_pose(const BodyTemplate& body, const FrameOutlines& frame, const Pos
   return fit;
 }
 
-TemplateFit fit_template(const BodyTemplate& body, std::span<const FrameOutlines> frames, std::span<const Pose> poses,
-                         int iterations) {
-  TemplateFit fit{body, {poses.begin(), poses.end()}};
+BodyFit fit_body(const BodyTemplate& body, std::span<const FrameOutlines> frames, std::span<const Pose> poses,
+                 int iterations) {
+  BodyFit fit{body, {poses.begin(), poses.end()}};
   const auto n = twists(), m = static_cast<Index>(kBodyMeasures);
   const PoseFitOptions options;
   for (int i = 0; i < iterations; ++i) {

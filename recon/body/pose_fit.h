@@ -31,11 +31,11 @@ PoseFit fit_pose(const BodyTemplate& body, const FrameOutlines& frame, const Pos
 
 // Measures and all poses together: the poses are eliminated frame by frame (Schur complement). Measures stay near
 // those of an adult of the template's height as far as silhouettes allow.
-struct TemplateFit {
+struct BodyFit {
   BodyTemplate body;
   std::vector<Pose> poses;
 };
-TemplateFit fit_template(const BodyTemplate& body, std::span<const FrameOutlines> frames, std::span<const Pose> poses,
-                         int iterations);
+BodyFit fit_body(const BodyTemplate& body, std::span<const FrameOutlines> frames, std::span<const Pose> poses,
+                 int iterations);
 
 }  // namespace rotunda::recon

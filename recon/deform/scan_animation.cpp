@@ -149,20 +149,29 @@ ScanAnimation::ScanAnimation(PreparedScan scan, const Markers& markers, const Sc
 
 std::vector<HandlePose> ScanAnimation::handle_poses(const BodyMotion& motion) const {
   const auto& skeleton = fit_.body.skeleton;
-  const auto at_scan = joint_transforms(skeleton, fit_.pose);
   std::vector<HandlePose> poses;
-  for (const auto& pose : poses_for(motion, skeleton)) {
-    const auto posed = joint_transforms(skeleton, pose);
-    for (std::size_t s = 0; s < kBodySegments; ++s) {
-      const auto joint = index(joint_of_segment(s));
-      const Eigen::Isometry3d posed_from_scan = posed[joint] * at_scan[joint].inverse();
-      Eigen::Quaterniond rotation(posed_from_scan.linear());
-      if (rotation.w() < 0.0) rotation.coeffs() = -rotation.coeffs();
-      poses.push_back({rotation.cast<float>(), posed_from_scan.translation().cast<float>()});
-    }
-  }
+  for (const auto& pose : poses_for(motion, skeleton)) carry_handles(joint_transforms(skeleton, pose), poses);
   if (!as_paper_) agree_in_sign(poses, segment_parents());
   return poses;
+}
+
+std::vector<HandlePose> ScanAnimation::handle_poses_in_studio(const CapturedMotion& motion) const {
+  std::vector<HandlePose> poses;
+  for (const auto& frame : motion.frames) carry_handles(joint_transforms(motion.body.skeleton, frame.fit.pose), poses);
+  if (!as_paper_) agree_in_sign(poses, segment_parents());
+  return poses;
+}
+
+// From where the scan's joints are to `posed`, a handle a segment.
+void ScanAnimation::carry_handles(const JointTransforms& posed, std::vector<HandlePose>& poses) const {
+  const auto at_scan = joint_transforms(fit_.body.skeleton, fit_.pose);
+  for (std::size_t s = 0; s < kBodySegments; ++s) {
+    const auto joint = index(joint_of_segment(s));
+    const Eigen::Isometry3d posed_from_scan = posed[joint] * at_scan[joint].inverse();
+    Eigen::Quaterniond rotation(posed_from_scan.linear());
+    if (rotation.w() < 0.0) rotation.coeffs() = -rotation.coeffs();
+    poses.push_back({rotation.cast<float>(), posed_from_scan.translation().cast<float>()});
+  }
 }
 
 double ScanAnimation::drift(std::span<const HandlePose> poses, std::span<const Vector3f> positions) const {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "recon/body/body_motion.h"
+#include "recon/body/captured_motion.h"
 #include "recon/deform/markers.h"
 #include "recon/deform/poisson_deform.h"
 #include "recon/deform/scan_preparation.h"
@@ -35,6 +36,9 @@ class ScanAnimation {
 
   // What carries each segment from the scan's pose into each of the motion's: frames x kBodySegments, signs agreed.
   std::vector<HandlePose> handle_poses(const BodyMotion& motion) const;
+  // The same for the performer's own scan where they were seen: every joint is put where theirs was, in the studio, so
+  // that the take's pictures fall onto the scan (3D video, section 5.2).
+  std::vector<HandlePose> handle_poses_in_studio(const CapturedMotion& motion) const;
   // The surface in each: frames x vertices, frame by frame; `poses` as above.
   void deform(std::span<const HandlePose> poses, std::span<Eigen::Vector3f> positions) {
     deform_->deform(poses, positions);
@@ -43,6 +47,8 @@ class ScanAnimation {
   double drift(std::span<const HandlePose> poses, std::span<const Eigen::Vector3f> positions) const;
 
  private:
+  void carry_handles(const JointTransforms& posed, std::vector<HandlePose>& poses) const;
+
   PreparedScan scan_;
   TemplateFit fit_;
   std::vector<std::string> notes_;

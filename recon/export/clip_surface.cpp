@@ -71,15 +71,6 @@ std::vector<Eigen::Vector2f> texture_coordinates(int level, int colour_level) {
   return coordinates;
 }
 
-void write_text(const std::filesystem::path& file, const std::string& text) {
-  write_whole(file, [&](const std::filesystem::path& part) {
-    errno = 0;
-    std::ofstream out(part, std::ios::binary);
-    out << text << std::flush;
-    if (!out) throw std::system_error(errno ? errno : EIO, std::generic_category(), "writing " + file.string());
-  });
-}
-
 ClipExportReport export_clip(GeometryVideoReader& video, const ClipExportOptions& options) {
   ClipExport clip(video, options);
   const bool is_folder =

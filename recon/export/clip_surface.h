@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "recon/export/clip_export.h"
+#include "recon/whole_file.h"
 
 namespace rotunda::recon {
 
@@ -61,20 +62,5 @@ std::vector<Eigen::Vector3f> y_up(const std::vector<Eigen::Vector3f>& vectors);
 
 // Where the samples of a level lie in the colour image, raster order: middles of pixels, from the top left, 0 to 1.
 std::vector<Eigen::Vector2f> texture_coordinates(int level, int colour_level);
-
-// Writes with `write(path)` under another name (of the same extension) and renames; what fails leaves nothing.
-template <class Write>
-void write_whole(const std::filesystem::path& file, const Write& write) {
-  const auto part = file.parent_path() / ("." + file.filename().string());
-  try {
-    write(part);
-    std::filesystem::rename(part, file);
-  } catch (...) {
-    std::error_code ignored;  // the first failure is the one to tell
-    std::filesystem::remove(part, ignored);
-    throw;
-  }
-}
-void write_text(const std::filesystem::path& file, const std::string& text);
 
 }  // namespace rotunda::recon

@@ -124,31 +124,49 @@ Table make_table() {
 // A block's samples with one more on every side.
 struct Padded {
   static constexpr int kSide = SignedGrid::kSide + 2;
+  static constexpr int kRow = kSide, kLayer = kSide * kSide;
   std::array<float, kSide * kSide * kSide> value;
-  std::array<bool, kSide * kSide * kSide> stored;
+  std::array<std::uint8_t, kSide * kSide * kSide> inside;
+  std::array<VoxelId, kSide * kSide * kSide> id;  // kNoVoxel: not stored
   static std::size_t index(int x, int y, int z) {
-    return static_cast<std::size_t>((x + 1) + kSide * ((y + 1) + kSide * (z + 1)));
+    return static_cast<std::size_t>((x + 1) + kRow * (y + 1) + kLayer * (z + 1));
   }
 };
 
-void gather(const SignedGrid& grid, std::size_t block, Padded& padded) {
+// How far the samples of a cube's corners are from its first.
+constexpr std::array<std::size_t, 8> kCorner{0,
+                                             1,
+                                             Padded::kRow,
+                                             Padded::kRow + 1,
+                                             Padded::kLayer,
+                                             Padded::kLayer + 1,
+                                             Padded::kLayer + Padded::kRow,
+                                             Padded::kLayer + Padded::kRow + 1};
+
+// False if all samples are of one side.
+bool gather(const SignedGrid& grid, std::size_t block, Padded& padded) {
   const auto first = static_cast<VoxelId>(block * SignedGrid::kBlockSize);
+  const auto& own = grid.values(block);
+  std::size_t inside = 0, at = 0;
   for (int z = -1; z <= 8; ++z)
     for (int y = -1; y <= 8; ++y)
-      for (int x = -1; x <= 8; ++x) {
+      for (int x = -1; x <= 8; ++x, ++at) {
         const int cx = std::clamp(x, 0, 7), cy = std::clamp(y, 0, 7), cz = std::clamp(z, 0, 7);
-        const auto id =
-            grid.neighbour(first + static_cast<VoxelId>(cx | (cy << 3) | (cz << 6)), x - cx, y - cy, z - cz);
-        padded.value[Padded::index(x, y, z)] = grid.value(id);
-        padded.stored[Padded::index(x, y, z)] = id != kNoVoxel;
+        const auto local = static_cast<VoxelId>(cx | (cy << 3) | (cz << 6));
+        const bool is_own = cx == x && cy == y && cz == z;
+        padded.id[at] = is_own ? first + local : grid.neighbour(first + local, x - cx, y - cy, z - cz);
+        padded.value[at] = is_own ? own[local] : grid.value(padded.id[at]);
+        padded.inside[at] = padded.value[at] > 0.0F ? 1 : 0;
+        inside += padded.inside[at];
       }
+  return inside != 0 && inside != padded.inside.size();
 }
 
 // A cell belongs to the block of its first stored corner; is that this block?
 bool owns_cell(const Padded& padded, int x, int y, int z) {
   for (int c = 0; c < 8; ++c) {
     const int cx = x + (c & 1), cy = y + ((c >> 1) & 1), cz = z + (c >> 2);
-    if (!padded.stored[Padded::index(cx, cy, cz)]) continue;
+    if (padded.id[Padded::index(cx, cy, cz)] == kNoVoxel) continue;
     return ((cx | cy | cz) & ~7) == 0;
   }
   return false;
@@ -156,12 +174,11 @@ bool owns_cell(const Padded& padded, int x, int y, int z) {
 
 class Extraction {
  public:
-  Extraction(const SignedGrid& grid, double margin) : grid_(grid), margin_(margin), table_(shared_table()) {
-    vertices_.reserve(grid.voxel_count() / 8);
-  }
+  Extraction(const SignedGrid& grid, double margin)
+      : grid_(grid), margin_(margin), table_(shared_table()), on_edge_(3 * grid.voxel_count(), kNone) {}
 
   void add_block(std::size_t block) {
-    gather(grid_, block, padded_);
+    if (!gather(grid_, block, padded_)) return;
     const Eigen::Vector3i base = grid_.block(block) * SignedGrid::kSide;
     for (int z = -1; z < 8; ++z)
       for (int y = -1; y < 8; ++y)
@@ -171,19 +188,19 @@ class Extraction {
   TriangleMesh take() { return std::move(mesh_); }
 
  private:
+  static constexpr std::uint32_t kNone = 0xFFFFFFFFU;
+
   static const Table& shared_table() {
     static const Table table = make_table();
     return table;
   }
 
-  float value(int x, int y, int z) const { return padded_.value[Padded::index(x, y, z)]; }
-
   void add_cell(const Eigen::Vector3i& base, int x, int y, int z) {
-    int inside = 0;
-    for (int c = 0; c < 8; ++c)
-      if (value(x + (c & 1), y + ((c >> 1) & 1), z + (c >> 2)) > 0.0F) inside |= 1 << c;
+    const auto first = Padded::index(x, y, z);
+    unsigned inside = 0;
+    for (std::size_t c = 0; c < 8; ++c) inside |= static_cast<unsigned>(padded_.inside[first + kCorner[c]]) << c;
     if (inside == 0 || inside == 255 || !owns_cell(padded_, x, y, z)) return;
-    for (const auto& triangle : table_[static_cast<std::size_t>(inside)]) {
+    for (const auto& triangle : table_[inside]) {
       std::array<std::uint32_t, 3> corners{};
       for (std::size_t i = 0; i < 3; ++i) corners[i] = vertex_on(base, x, y, z, triangle[i]);
       mesh_.triangles.push_back(corners);
@@ -193,15 +210,22 @@ class Extraction {
   std::uint32_t vertex_on(const Eigen::Vector3i& base, int x, int y, int z, int edge) {
     const int corner = edge / 3, axis = edge % 3;
     const Eigen::Vector3i low(x + (corner & 1), y + ((corner >> 1) & 1), z + (corner >> 2));
-    const Eigen::Vector3i high = low + Eigen::Vector3i::Unit(axis);
-    const Eigen::Vector3i at = base + low;
+    const auto at = Padded::index(low.x(), low.y(), low.z());
+    auto& vertex = place_of(padded_.id[at], base + low, axis);
+    if (vertex != kNone) return vertex;
+    vertex = static_cast<std::uint32_t>(mesh_.positions.size());
+    add_vertex(base + low, axis, padded_.value[at], padded_.value[at + kCorner[std::size_t{1} << axis]]);
+    return vertex;
+  }
+
+  // Of the edge that goes up from a sample: where its vertex is noted.
+  std::uint32_t& place_of(VoxelId id, const Eigen::Vector3i& at, int axis) {
+    if (id != kNoVoxel) return on_edge_[3 * std::size_t{id} + static_cast<std::size_t>(axis)];
     constexpr int kBias = 1 << 19;
     const auto part = [](int c) { return static_cast<std::uint64_t>(c + kBias) & 0xFFFFFU; };
     const auto key =
         part(at.x()) | (part(at.y()) << 20) | (part(at.z()) << 40) | (static_cast<std::uint64_t>(axis) << 60);
-    const auto [entry, is_new] = vertices_.try_emplace(key, static_cast<std::uint32_t>(mesh_.positions.size()));
-    if (is_new) add_vertex(at, axis, value(low.x(), low.y(), low.z()), value(high.x(), high.y(), high.z()));
-    return entry->second;
+    return beyond_.try_emplace(key, kNone).first->second;
   }
 
   void add_vertex(const Eigen::Vector3i& low, int axis, float from, float to) {
@@ -214,7 +238,8 @@ class Extraction {
   double margin_;  // cells
   const Table& table_;
   Padded padded_{};
-  std::unordered_map<std::uint64_t, std::uint32_t> vertices_;
+  std::vector<std::uint32_t> on_edge_;                       // three a stored sample
+  std::unordered_map<std::uint64_t, std::uint32_t> beyond_;  // of samples that are not stored
   TriangleMesh mesh_;
 };
 

@@ -114,6 +114,14 @@ float correlation(const PatchPixels& a, const PatchPixels& b, double noise) {
   return sum / std::sqrt((a.norm * a.norm + floor) * (b.norm * b.norm + floor));
 }
 
+// Vertices of which no two are neighbours, as many as their order allows.
+std::vector<char> every_other(const VertexRings& rings) {
+  std::vector<char> chosen(rings.size(), 0);
+  for (std::size_t v = 0; v < chosen.size(); ++v)
+    chosen[v] = std::none_of(rings[v].begin(), rings[v].end(), [&](std::uint32_t n) { return chosen[n] != 0; }) ? 1 : 0;
+  return chosen;
+}
+
 class PhotoFit {
  public:
   PhotoFit(const TriangleMesh& mesh, std::span<const float> rim_distance, std::span<const PhotoView> views,
@@ -125,9 +133,11 @@ class PhotoFit {
         options_(options),
         labels_(static_cast<std::size_t>(2 * options.steps + 1)),
         step_(options.reach / options.steps),
+        is_matched_(options.thinned ? every_other(rings_) : std::vector<char>(mesh.positions.size(), 1)),
         cost_(mesh.positions.size() * labels_) {
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh.positions.size(), 256), [&](const auto& range) {
-      for (auto v = range.begin(); v != range.end(); ++v) fill_cost(v);
+      for (auto v = range.begin(); v != range.end(); ++v)
+        if (is_matched_[v] != 0) fill_cost(v);
     });
   }
 
@@ -137,9 +147,11 @@ class PhotoFit {
     constexpr int kRounds = 12, kSweeps = 4;
     float coupling = 0.02F;  // of a step's difference between what was found and the smooth field, squared
     for (int round = 0; round < kRounds; ++round, coupling *= 1.7F) {
-      for (std::size_t v = 0; v < count; ++v) found[v] = best_near(v, smooth[v], coupling);
+      for (std::size_t v = 0; v < count; ++v)
+        if (is_matched_[v] != 0) found[v] = best_near(v, smooth[v], coupling);
       for (int sweep = 0; sweep < kSweeps; ++sweep)
-        for (std::size_t v = 0; v < count; ++v) smooth[v] = evened(v, smooth, found[v], coupling);
+        for (std::size_t v = 0; v < count; ++v)
+          smooth[v] = evened(v, smooth, found[v], is_matched_[v] != 0 ? coupling : 0.0F);
     }
     for (auto& offset : smooth) offset *= static_cast<float>(step_);
     return smooth;
@@ -215,6 +227,7 @@ class PhotoFit {
   PhotoFitOptions options_;
   std::size_t labels_;
   double step_;
+  std::vector<char> is_matched_;
   std::vector<float> cost_;  // by vertex, then by offset
 };
 

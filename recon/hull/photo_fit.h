@@ -21,15 +21,16 @@ struct PhotoView {
 };
 
 struct PhotoFitOptions {
+  bool thinned = false;        // match no two neighbours: what lies between follows
   double reach = 0.016;        // world units either way
   int steps = 8;               // offsets tried either way
   int patch = 7;               // pixels a side, on the surface
   double least_cosine = 0.5;   // between normal and direction to the camera
   double noise = 2.0;          // of a grey pixel: standard deviation
-  double prior_sigma = 0.004;  // of the surface beside a rim
+  double prior_sigma = 0.008;  // of the surface beside a rim
   double prior_slope = 0.10;   // of that standard deviation by the distance to the nearest rim
-  double photo_weight = 8.0;   // of a correlation that falls by one, against one sigma squared of the prior, halved
-  double smoothness = 0.5;     // of a difference of one step between neighbours
+  double photo_weight = 16.0;  // of a correlation that falls by one, against one sigma squared of the prior, halved
+  double smoothness = 1.0;     // of a difference of one step between neighbours
 };
 
 // Depth maps are drawn from the mesh. `pictures` RGB, one a camera.

@@ -1,48 +1,71 @@
 #include "recon/hull/rim_fit.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <queue>
-#include <unordered_map>
 
 #include "recon/mesh/vertex_rings.h"
 
 namespace rotunda::recon {
 namespace {
 
+using Eigen::Vector3f;
+using Eigen::Vector3i;
+
 constexpr float kSameSide = 0.5F;  // cosine between a rim's normal and that of a vertex it can belong to
 constexpr std::uint32_t kNone = 0xFFFFFFFFU;
 
-// Rims by cubes of edge `reach`.
-class RimCubes {
+// Rims by the cubes of a grid over all of them, side by side in memory.
+class RimGrid {
  public:
-  RimCubes(std::span<const Rim> rims, double reach) : rims_(rims), reach_(static_cast<float>(reach)) {
-    for (std::uint32_t i = 0; i < rims.size(); ++i) cubes_[key(cube_of(rims[i].point))].push_back(i);
+  RimGrid(std::span<const Rim> rims, float reach) : rims_(rims), reach_(reach) {
+    for (const auto& rim : rims) box_.extend(rim.point);
+    if (rims.empty()) return;
+    constexpr float kMost = 128.0F;
+    edge_ = std::max(reach, box_.sizes().maxCoeff() / kMost);
+    counts_ = (box_.sizes() / edge_).array().floor().cast<int>() + 1;
+    start_.assign(static_cast<std::size_t>(counts_.prod()) + 1, 0);
+    for (const auto& rim : rims) ++start_[index(cube_of(rim.point)) + 1];
+    for (std::size_t i = 1; i < start_.size(); ++i) start_[i] += start_[i - 1];
+    auto next = start_;
+    order_.resize(rims.size());
+    for (std::uint32_t r = 0; r < rims.size(); ++r) order_[next[index(cube_of(rims[r].point))]++] = r;
   }
+
   // All rims no farther than the reach that face the same way.
   template <class Visit>
-  void for_each_near(const Eigen::Vector3f& point, const Eigen::Vector3f& normal, Visit visit) const {
-    const Eigen::Vector3i middle = cube_of(point);
-    for (int i = 0; i < 27; ++i) {
-      const auto found = cubes_.find(key(middle + Eigen::Vector3i(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1)));
-      if (found == cubes_.end()) continue;
-      for (const auto r : found->second) {
-        const float distance = (rims_[r].point - point).norm();
-        if (distance <= reach_ && rims_[r].normal.dot(normal) > kSameSide) visit(r, distance);
+  void for_each_near(const Vector3f& point, const Vector3f& normal, Visit visit) const {
+    if (rims_.empty()) return;
+    const Vector3i middle = cube_of(point);
+    const Vector3i first = (middle.array() - 1).max(0), last = (middle.array() + 1).min(counts_.array() - 1);
+    for (int z = first.z(); z <= last.z(); ++z)
+      for (int y = first.y(); y <= last.y(); ++y) {
+        if (first.x() > last.x()) return;
+        const auto from = start_[index({first.x(), y, z})], to = start_[index({last.x(), y, z}) + 1];
+        for (auto i = from; i < to; ++i) {
+          const auto& rim = rims_[order_[i]];
+          const float distance2 = (rim.point - point).squaredNorm();
+          if (distance2 <= reach_ * reach_ && rim.normal.dot(normal) > kSameSide)
+            visit(order_[i], std::sqrt(distance2));
+        }
       }
-    }
   }
 
  private:
-  Eigen::Vector3i cube_of(const Eigen::Vector3f& p) const { return (p / reach_).array().floor().cast<int>(); }
-  static std::uint64_t key(const Eigen::Vector3i& c) {
-    const auto part = [](int n) { return static_cast<std::uint64_t>(n + (1 << 20)) & 0x1FFFFFU; };
-    return part(c.x()) | (part(c.y()) << 21) | (part(c.z()) << 42);
+  Vector3i cube_of(const Vector3f& p) const {
+    const Vector3f cube = (p - box_.min()) / edge_;
+    return cube.array().floor().max(-2.0F).min(1000.0F).cast<int>();
+  }
+  std::size_t index(const Vector3i& c) const {
+    return static_cast<std::size_t>(c.x() + counts_.x() * (c.y() + counts_.y() * c.z()));
   }
   std::span<const Rim> rims_;
-  float reach_;
-  std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> cubes_;
+  float reach_, edge_ = 1.0F;
+  Eigen::AlignedBox3f box_;
+  Vector3i counts_ = Vector3i::Zero();
+  std::vector<std::uint32_t> start_, order_;
 };
 
 struct NearestRim {
@@ -50,18 +73,46 @@ struct NearestRim {
   std::uint32_t rim = kNone;
 };
 
-// Vertices near a rim know it; from them on, each takes its neighbours' rim where that is nearer than its own.
-std::vector<NearestRim> nearest_rims(const TriangleMesh& mesh, const VertexRings& rings, std::span<const Rim> rims,
-                                     const RimCubes& cubes, float farthest) {
-  using Entry = std::pair<float, std::uint32_t>;  // distance, vertex
-  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
-  std::vector<NearestRim> nearest(mesh.positions.size());
-  for (std::uint32_t v = 0; v < nearest.size(); ++v) {
-    cubes.for_each_near(mesh.positions[v], mesh.normals[v], [&](std::uint32_t r, float distance) {
-      if (distance < nearest[v].distance) nearest[v] = {distance, r};
+// What the rims near a vertex say of where along its normal the surface is.
+struct Pin {
+  float offset = 0.0F;  // from the vertex
+  float weight = 0.0F;
+};
+
+struct NearRims {
+  std::vector<NearestRim> nearest;
+  std::vector<Pin> pins;
+};
+
+NearRims ask_rims(const TriangleMesh& mesh, std::span<const Rim> rims, const RimFitOptions& options) {
+  const auto cell = static_cast<float>(options.cell_size);
+  const RimGrid grid(rims, 1.5F * cell);
+  NearRims near{std::vector<NearestRim>(mesh.positions.size()), std::vector<Pin>(mesh.positions.size())};
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+    float offsets = 0.0F, weights = 0.0F;
+    grid.for_each_near(mesh.positions[v], mesh.normals[v], [&](std::uint32_t r, float distance) {
+      const auto& rim = rims[r];
+      if (distance < near.nearest[v].distance) near.nearest[v] = {distance, r};
+      const float relative = rim.length / static_cast<float>(options.trusted_length);
+      const float weight = std::max(0.0F, 1.0F - distance / cell) / (1.0F + relative * relative);
+      offsets += weight * rim.normal.dot(rim.point - mesh.positions[v]);
+      weights += weight;
     });
-    if (nearest[v].rim != kNone) queue.emplace(nearest[v].distance, v);
+    if (weights > 0.0F)
+      near.pins[v] = {offsets / weights, std::min(1.0F, weights * static_cast<float>(options.stride))};
   }
+  return near;
+}
+
+// From the vertices that know a rim on, each takes its neighbours' where that is nearer than its own.
+void spread(const TriangleMesh& mesh, const VertexRings& rings, std::span<const Rim> rims, float farthest,
+            std::vector<NearestRim>& nearest) {
+  using Entry = std::pair<float, std::uint32_t>;  // distance, vertex
+  std::vector<Entry> known;
+  known.reserve(nearest.size());
+  for (std::uint32_t v = 0; v < nearest.size(); ++v)
+    if (nearest[v].rim != kNone) known.emplace_back(nearest[v].distance, v);
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue(std::greater<>(), std::move(known));
   while (!queue.empty()) {
     const auto [distance, v] = queue.top();
     queue.pop();
@@ -73,31 +124,6 @@ std::vector<NearestRim> nearest_rims(const TriangleMesh& mesh, const VertexRings
       queue.emplace(from_here, n);
     }
   }
-  return nearest;
-}
-
-// What the rims near a vertex say of where along its normal the surface is.
-struct Pin {
-  float offset = 0.0F;  // from the vertex
-  float weight = 0.0F;
-};
-
-std::vector<Pin> pins_of(const TriangleMesh& mesh, std::span<const Rim> rims, const RimCubes& cubes,
-                         const RimFitOptions& options) {
-  std::vector<Pin> pins(mesh.positions.size());
-  const auto reach = static_cast<float>(options.cell_size);
-  for (std::size_t v = 0; v < pins.size(); ++v) {
-    float offsets = 0.0F, weights = 0.0F;
-    cubes.for_each_near(mesh.positions[v], mesh.normals[v], [&](std::uint32_t r, float distance) {
-      const float relative = rims[r].length / static_cast<float>(options.trusted_length);
-      const float near = std::max(0.0F, 1.0F - distance / reach);
-      const float weight = near / (1.0F + relative * relative);
-      offsets += weight * rims[r].normal.dot(rims[r].point - mesh.positions[v]);
-      weights += weight;
-    });
-    if (weights > 0.0F) pins[v] = {offsets / weights, std::min(1.0F, weights * static_cast<float>(options.stride))};
-  }
-  return pins;
 }
 
 float mean_pixel(std::span<const Rim> rims) {
@@ -120,8 +146,8 @@ RimFitOptions rim_fit_options(double cell_size, double metre, int stride) {
 
 std::vector<float> rim_distances(const TriangleMesh& mesh, std::span<const Rim> rims, double cell_size,
                                  double farthest) {
-  const RimCubes cubes(rims, 1.5 * cell_size);
-  const auto nearest = nearest_rims(mesh, VertexRings(mesh), rims, cubes, static_cast<float>(farthest));
+  auto nearest = ask_rims(mesh, rims, {.cell_size = cell_size}).nearest;
+  spread(mesh, VertexRings(mesh), rims, static_cast<float>(farthest), nearest);
   std::vector<float> distances(nearest.size());
   for (std::size_t v = 0; v < nearest.size(); ++v)
     distances[v] = std::min(nearest[v].distance, static_cast<float>(farthest));
@@ -134,22 +160,22 @@ namespace {
 // and it stays inside of the hull. `rest`: the shape whose differences between neighbours cost nothing.
 struct Membrane {
   const VertexRings& rings;
-  const std::vector<Eigen::Vector3f>&hull, &normals, &settled, &rest;
+  const std::vector<Vector3f>&hull, &normals, &settled, &rest;
   const std::vector<Pin>& pins;  // offsets from the hull
   std::vector<float> screen;
   float pin_weight;
 
-  void relax(std::vector<Eigen::Vector3f>& positions, int rounds) const {
+  void relax(std::vector<Vector3f>& positions, int rounds) const {
     for (int round = 0; round < rounds; ++round)
       for (std::size_t v = 0; v < positions.size(); ++v) positions[v] = relaxed(positions, v);
   }
 
-  Eigen::Vector3f relaxed(const std::vector<Eigen::Vector3f>& positions, std::size_t v) const {
-    Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+  Vector3f relaxed(const std::vector<Vector3f>& positions, std::size_t v) const {
+    Vector3f sum = Vector3f::Zero();
     for (const auto n : rings[v]) sum += positions[n] - rest[n];
-    const Eigen::Vector3f beside = rest[v] + sum / static_cast<float>(rings[v].size());
+    const Vector3f beside = rest[v] + sum / static_cast<float>(rings[v].size());
     const float weight = pin_weight * pins[v].weight, stiff = 1.0F + screen[v];
-    const Eigen::Vector3f free = (beside + screen[v] * settled[v]) / stiff;
+    const Vector3f free = (beside + screen[v] * settled[v]) / stiff;
     const float along = normals[v].dot(free - hull[v]);
     const float pinned = (along * stiff + weight * pins[v].offset) / (stiff + weight);
     return free + (std::min(pinned, 0.0F) - along) * normals[v];
@@ -157,7 +183,7 @@ struct Membrane {
 };
 
 // The membrane evens out over `length`.
-std::vector<float> screens(const std::vector<Eigen::Vector3f>& positions, const VertexRings& rings, double length) {
+std::vector<float> screens(const std::vector<Vector3f>& positions, const VertexRings& rings, double length) {
   std::vector<float> screen(positions.size());
   for (std::size_t v = 0; v < positions.size(); ++v) {
     float edges = 0.0F;
@@ -172,18 +198,17 @@ std::vector<float> screens(const std::vector<Eigen::Vector3f>& positions, const 
 
 void fit_to_rims(TriangleMesh& mesh, std::span<const Rim> rims, const RimFitOptions& options) {
   const VertexRings rings(mesh);
-  const RimCubes cubes(rims, 1.5 * options.cell_size);
   const auto farthest = static_cast<float>(options.law.farthest);
-  const auto nearest = nearest_rims(mesh, rings, rims, cubes, farthest);
+  auto [nearest, pins] = ask_rims(mesh, rims, options);
+  spread(mesh, rings, rims, farthest, nearest);
   const float offset = static_cast<float>(options.law.offset_px) * mean_pixel(rims);
   const auto hull = mesh.positions;
-  std::vector<Eigen::Vector3f> settled(hull.size());
+  std::vector<Vector3f> settled(hull.size());
   for (std::size_t v = 0; v < hull.size(); ++v) {
     const float shrink = offset + static_cast<float>(options.law.slope) * std::min(nearest[v].distance, farthest);
     settled[v] = hull[v] - std::max(0.0F, shrink) * mesh.normals[v];
   }
-  const std::vector<Eigen::Vector3f> flat(hull.size(), Eigen::Vector3f::Zero());
-  const auto pins = pins_of(mesh, rims, cubes, options);
+  const std::vector<Vector3f> flat(hull.size(), Vector3f::Zero());
   const Membrane membrane{rings,
                           hull,
                           mesh.normals,
@@ -199,7 +224,7 @@ void fit_to_rims(TriangleMesh& mesh, std::span<const Rim> rims, const RimFitOpti
 void pin_to_rims(TriangleMesh& mesh, const TriangleMesh& hull, std::span<const Rim> rims,
                  const RimFitOptions& options) {
   const VertexRings rings(mesh);
-  auto pins = pins_of(mesh, rims, RimCubes(rims, 1.5 * options.cell_size), options);
+  auto pins = ask_rims(mesh, rims, options).pins;
   for (std::size_t v = 0; v < pins.size(); ++v)
     pins[v].offset += hull.normals[v].dot(mesh.positions[v] - hull.positions[v]);
   const auto settled = mesh.positions;

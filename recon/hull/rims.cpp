@@ -192,8 +192,10 @@ std::vector<Rim> find_rims(std::span<const SilhouetteView> views, const RimOptio
   tbb::parallel_for(std::size_t{0}, views.size(), [&](std::size_t own) {
     const auto others = crossing_order(views, own);
     const auto points = outline_points(views[own].distance_px());
-    for (std::size_t i = 0; i < points.size(); i += static_cast<std::size_t>(std::max(1, options.stride)))
+    for (std::size_t i = 0; i < points.size(); i += static_cast<std::size_t>(std::max(1, options.stride))) {
+      if (views[own].is_guessed(points[i])) continue;
       if (const auto rim = rim_at(views, own, others, points[i], options)) found[own].push_back(*rim);
+    }
   });
   std::vector<Rim> rims;
   for (const auto& some : found) rims.insert(rims.end(), some.begin(), some.end());

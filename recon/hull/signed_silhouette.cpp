@@ -66,11 +66,17 @@ std::vector<Segment> contour(const cv::Mat& alpha) {
   return segments;
 }
 
-cv::Mat coarse_distance(const cv::Mat& alpha) {
+// How far from the outline distances are exact, pixels, and by which of OpenCV's masks they are beyond.
+struct Fineness {
+  int band;
+  int mask;
+};
+
+cv::Mat coarse_distance(const cv::Mat& alpha, int mask) {
   const cv::Mat inside = alpha > 127;
   cv::Mat to_outside, to_inside;
-  cv::distanceTransform(inside, to_outside, cv::DIST_L2, cv::DIST_MASK_PRECISE, CV_32F);
-  cv::distanceTransform(~inside, to_inside, cv::DIST_L2, cv::DIST_MASK_PRECISE, CV_32F);
+  cv::distanceTransform(inside, to_outside, cv::DIST_L2, mask, CV_32F);
+  cv::distanceTransform(~inside, to_inside, cv::DIST_L2, mask, CV_32F);
   // A picture without the other side has no distance to it: OpenCV then returns huge values; the diagonal will do.
   const float diagonal = std::hypot(static_cast<float>(alpha.cols), static_cast<float>(alpha.rows));
   cv::Mat distance(alpha.size(), CV_32F);
@@ -84,11 +90,11 @@ cv::Mat coarse_distance(const cv::Mat& alpha) {
   return distance;
 }
 
-void splat(const Segment& segment, cv::Mat& nearest) {
+void splat(const Segment& segment, int band, cv::Mat& nearest) {
   const cv::Point2f middle = 0.5F * (segment.a + segment.b);
-  const int x0 = std::max(0, cvFloor(middle.x) - kExactBand), y0 = std::max(0, cvFloor(middle.y) - kExactBand);
-  const int x1 = std::min(nearest.cols - 1, cvCeil(middle.x) + kExactBand);
-  const int y1 = std::min(nearest.rows - 1, cvCeil(middle.y) + kExactBand);
+  const int x0 = std::max(0, cvFloor(middle.x) - band), y0 = std::max(0, cvFloor(middle.y) - band);
+  const int x1 = std::min(nearest.cols - 1, cvCeil(middle.x) + band);
+  const int y1 = std::min(nearest.rows - 1, cvCeil(middle.y) + band);
   for (int y = y0; y <= y1; ++y) {
     auto* row = nearest.ptr<float>(y);
     for (int x = x0; x <= x1; ++x)
@@ -96,18 +102,23 @@ void splat(const Segment& segment, cv::Mat& nearest) {
   }
 }
 
-cv::Mat exact_near_outline(const cv::Mat& alpha) {
-  cv::Mat distance = coarse_distance(alpha);
+cv::Mat exact_near_outline(const cv::Mat& alpha, const Fineness& fineness) {
+  cv::Mat distance = coarse_distance(alpha, fineness.mask);
   constexpr float kFar = 1e9F;
   cv::Mat nearest(distance.size(), CV_32F, cv::Scalar(kFar));
-  for (const auto& segment : contour(alpha)) splat(segment, nearest);
+  for (const auto& segment : contour(alpha)) splat(segment, fineness.band, nearest);
   for (int y = 0; y < distance.rows; ++y) {
     auto* row = distance.ptr<float>(y);
     const auto* exact = nearest.ptr<float>(y);
     for (int x = 0; x < distance.cols; ++x)
-      if (exact[x] < static_cast<float>(kExactBand)) row[x] = std::copysign(exact[x], row[x]);
+      if (exact[x] < static_cast<float>(fineness.band)) row[x] = std::copysign(exact[x], row[x]);
   }
   return distance;
+}
+
+void check(const capture::Matte& matte) {
+  if (matte.alpha.empty() || matte.alpha.type() != CV_8UC1)
+    throw InvalidInput("a matte must be an 8-bit grey picture with at least one pixel");
 }
 
 // Of pixels outside of the box, negative; the larger of the ways along the axes.
@@ -124,15 +135,20 @@ cv::Mat distance_from(const cv::Rect& box, const cv::Size& size) {
 
 }  // namespace
 
+cv::Mat quick_silhouette(const capture::Matte& matte) {
+  check(matte);
+  return exact_near_outline(matte.alpha, {.band = 2, .mask = cv::DIST_MASK_5});
+}
+
 cv::Mat signed_silhouette(const capture::Matte& matte) {
-  if (matte.alpha.empty() || matte.alpha.type() != CV_8UC1)
-    throw InvalidInput("a matte must be an 8-bit grey picture with at least one pixel");
+  check(matte);
+  constexpr Fineness kFine{.band = kExactBand, .mask = cv::DIST_MASK_PRECISE};
   const cv::Rect picture(0, 0, matte.alpha.cols, matte.alpha.rows), body = cv::boundingRect(matte.alpha > 127);
-  if (body.empty()) return exact_near_outline(matte.alpha);
+  if (body.empty()) return exact_near_outline(matte.alpha, kFine);
   const cv::Rect about =
       cv::Rect(body.x - kAround, body.y - kAround, body.width + 2 * kAround, body.height + 2 * kAround) & picture;
   cv::Mat distance = distance_from(body, picture.size());
-  exact_near_outline(matte.alpha(about)).copyTo(distance(about));
+  exact_near_outline(matte.alpha(about), kFine).copyTo(distance(about));
   return distance;
 }
 

@@ -15,6 +15,10 @@ inline constexpr int kExactBand = 5;  // pixels around the outline with exact di
 // CV_32FC1 of the matte's size. Throws InvalidInput unless the matte is a non-empty CV_8UC1.
 cv::Mat signed_silhouette(const capture::Matte& matte);
 
+// The same of a small picture in a fifth of the time: exact within two pixels of the outline, farther out by OpenCV's 5 x
+// 5 chamfer, which is right to 2 %.
+cv::Mat quick_silhouette(const capture::Matte& matte);
+
 // True if no pixel of the matte reaches 127.5.
 bool is_empty(const capture::Matte& matte);
 

@@ -6,8 +6,10 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <opencv2/imgproc.hpp>
 
 #include "config/errors.h"
+#include "recon/hull/lens_bounds.h"
 #include "recon/hull/signed_silhouette.h"
 
 namespace rotunda::recon {
@@ -34,33 +36,6 @@ bool in_picture(const capture::CameraModel& camera, const Eigen::Vector2d& pixel
   return pixel.x() >= -0.5 && pixel.y() >= -0.5 && pixel.x() <= camera.width - 0.5 && pixel.y() <= camera.height - 0.5;
 }
 
-// Largest radius on the ideal plane of any border pixel: the border lies farthest out.
-double picture_radius(const capture::CameraModel& camera) {
-  const Eigen::Matrix3d ideal_from_pixel = camera.K.inverse();
-  constexpr int kSteps = 32;
-  double radius = 0.0;
-  for (int i = 0; i < 4 * kSteps; ++i) {
-    const double along = static_cast<double>(i % kSteps) / kSteps;
-    const double x = i / kSteps == 0 ? along : i / kSteps == 1 ? 1.0 : i / kSteps == 2 ? 1.0 - along : 0.0;
-    const double y = i / kSteps == 0 ? 0.0 : i / kSteps == 1 ? along : i / kSteps == 2 ? 1.0 : 1.0 - along;
-    const Eigen::Vector3d image =
-        ideal_from_pixel * Eigen::Vector3d(x * camera.width - 0.5, y * camera.height - 0.5, 1.0);
-    if (const auto ideal = capture::undistort(camera, image.head<2>())) radius = std::max(radius, ideal->norm());
-  }
-  return radius;
-}
-
-double largest_stretch(const capture::CameraModel& camera, double radius) {
-  const auto& d = camera.distortion;
-  double stretch = 1.0;
-  for (int i = 0; i <= 16; ++i) {
-    const double r2 = radius * radius * i / 16.0;
-    stretch = std::max({stretch, 1.0 + r2 * (3.0 * d[0] + r2 * (5.0 * d[1] + r2 * 7.0 * d[4])),
-                        1.0 + r2 * (d[0] + r2 * (d[1] + r2 * d[4]))});
-  }
-  return stretch + 6.0 * radius * (std::abs(d[2]) + std::abs(d[3]));
-}
-
 }  // namespace
 
 SilhouetteView::SilhouetteView(const capture::CameraModel& camera, const capture::Matte& matte) : camera_(camera) {
@@ -72,6 +47,23 @@ SilhouetteView::SilhouetteView(const capture::CameraModel& camera, const capture
   distorted_ = !camera.distortion.isZero(0.0);
   max_ideal_radius_ = picture_radius(camera);
   if (distorted_) max_stretch_ = largest_stretch(camera, max_ideal_radius_);
+}
+
+SilhouetteView SilhouetteView::joined_with(const capture::Matte& guess) const {
+  SilhouetteView joined = *this;
+  cv::Mat added;
+  cv::max(distance_, signed_silhouette(guess), joined.distance_);
+  cv::dilate((joined.distance_ > 0.0F) & (distance_ <= 0.0F), added, cv::Mat::ones(3, 3, CV_8UC1));
+  joined.guess_ = guess_.empty() ? added : cv::Mat(added | guess_);
+  joined.is_empty_ = is_empty_ && recon::is_empty(guess);
+  return joined;
+}
+
+bool SilhouetteView::is_guessed(const Eigen::Vector2d& pixel) const {
+  if (guess_.empty()) return false;
+  const int x = std::clamp(static_cast<int>(std::lround(pixel.x())), 0, guess_.cols - 1);
+  const int y = std::clamp(static_cast<int>(std::lround(pixel.y())), 0, guess_.rows - 1);
+  return guess_.at<std::uint8_t>(y, x) != 0;
 }
 
 std::optional<float> SilhouetteView::distance(const Eigen::Vector3d& point) const {

@@ -21,6 +21,11 @@ class SilhouetteView {
   const cv::Mat& distance_px() const { return distance_; }  // CV_32FC1, positive inside
   bool is_empty() const { return is_empty_; }               // nobody in the matte
 
+  // The same view with more to its silhouette, of which no more is known than that the body lies within: its outline
+  // is none of the body's.
+  SilhouetteView joined_with(const capture::Matte& guess) const;
+  bool is_guessed(const Eigen::Vector2d& pixel) const;  // of an outline point: is it of such a guess?
+
   // Distance to the silhouette's cone, positive inside, to first order (pixels times metres a pixel at that depth along
   // the silhouette's normal); nothing where the camera does not see: behind it or outside of its picture.
   std::optional<float> distance(const Eigen::Vector3d& point) const;
@@ -42,6 +47,7 @@ class SilhouetteView {
  private:
   capture::CameraModel camera_;
   cv::Mat distance_;
+  cv::Mat guess_;  // CV_8UC1, 255 where the silhouette was only guessed and beside it; or none
   bool is_empty_ = false;
   bool distorted_ = false;
   double max_ideal_radius_ = 0.0;  // of the picture, on the ideal image plane: nothing beyond it is seen

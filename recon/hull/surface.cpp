@@ -9,6 +9,7 @@
 
 #include "config/errors.h"
 #include "recon/hull/capture_volume.h"
+#include "recon/hull/lost_parts.h"
 #include "recon/hull/marching_cubes.h"
 #include "recon/hull/photo_fit.h"
 #include "recon/hull/photo_hull.h"
@@ -24,6 +25,7 @@ namespace {
 constexpr double kSliverMargin = 0.15;   // cells: the shortest edges are 0.2 cells long
 constexpr double kLiveCoarseness = 1.6;  // cells of 16 mm leave about 20 000 triangles of a person
 constexpr int kLiveRimStride = 3;
+constexpr double kLostPart = 0.020;  // metres: thinner parts that a matte lost are not looked for
 
 double cpu_seconds() {
   return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
@@ -173,15 +175,17 @@ std::vector<capture::CameraModel> cameras_of(std::span<const SilhouetteView> vie
   return cameras;
 }
 
-// Where the pictures agree, twice, the second time from nearer by; then back to the rims, which know better.
+// Where the pictures agree, thrice, each time from nearer by; then back to the rims, which know better.
 void match(const SortedViews& views, std::span<const Rim> rims, const RimFitOptions& fit, const TriangleMesh& hull,
            double metre, TriangleMesh& mesh) {
   const auto distance = rim_distances(hull, rims, fit.cell_size, 2.0 * fit.law.farthest);
   const auto cameras = cameras_of(views.with_silhouette);
-  for (const double reach : {0.016 * metre, 0.008 * metre}) {
+  constexpr double kDeepest = 0.032;  // metres: air between limbs that no silhouette shows
+  for (const double reach : {kDeepest, 0.5 * kDeepest, 0.25 * kDeepest}) {
     compute_normals(mesh);
     PhotoFitOptions options;
-    options.reach = reach;
+    options.thinned = reach == kDeepest;
+    options.reach = reach * metre;
     options.prior_sigma *= metre;
     const auto offsets = photo_offsets(mesh, distance, photo_views(mesh, cameras, views.pictures), options);
     for (std::size_t v = 0; v < offsets.size(); ++v) mesh.positions[v] += offsets[v] * mesh.normals[v];
@@ -205,12 +209,18 @@ void draw_in(const SortedViews& views, const SurfaceOptions& options, SurfaceRes
   timed(report, "matching", [&] { match(views, rims, fit, hull, metre, result.mesh); });
 }
 
-std::vector<DeniedShare> denied_by(std::span<const SilhouetteView> views, const SignedGrid& grid) {
-  const auto shares = denied_shares(views, grid);
-  std::vector<DeniedShare> denied;
+std::vector<ViewShare> shares_of(std::span<const SilhouetteView> views, std::span<const double> shares) {
+  std::vector<ViewShare> some;
   for (std::size_t i = 0; i < views.size(); ++i)
-    if (shares[i] > 0.0) denied.push_back({views[i].camera().name, shares[i]});
-  return denied;
+    if (shares[i] > 0.0) some.push_back({views[i].camera().name, shares[i]});
+  return some;
+}
+
+void put_back_lost(SortedViews& views, const SurfaceOptions& options, SurfaceReport& report) {
+  const double cube_size = std::max(report.cell_size, kLostPart * metre_of(report, options));
+  auto back = put_back_lost_parts(views.with_silhouette, {report.bounds, cube_size});
+  report.put_back = shares_of(views.with_silhouette, back.share);
+  views.with_silhouette = std::move(back.views);
 }
 
 SignedGrid carved(const SortedViews& views, const SurfaceOptions& options, SurfaceReport& report) {
@@ -225,7 +235,8 @@ SignedGrid carved(const SortedViews& views, const SurfaceOptions& options, Surfa
       report.carved_voxels = carve_photo_hull(grid, views.with_silhouette, views.pictures, carving).carved;
     });
   timed(report, "genus cut", [&] { report.cut = cut_to_genus_zero(grid); });
-  if (options.tolerate_misses > 0) report.denied = denied_by(views.with_silhouette, grid);
+  if (options.tolerate_misses > 0)
+    report.denied = shares_of(views.with_silhouette, denied_shares(views.with_silhouette, grid));
   return grid;
 }
 
@@ -250,6 +261,7 @@ SurfaceOptions live_surface(SurfaceOptions options) {
   options.coarseness *= kLiveCoarseness;
   options.rim_stride = kLiveRimStride;
   options.match_pictures = false;
+  options.put_back_lost = false;
   options.triangles = 0;
   return options;
 }
@@ -260,13 +272,15 @@ SurfaceResult reconstruct_surface(std::span<const SilhouetteView> all, std::span
   check(all, pictures, options);
   SurfaceResult result;
   auto& report = result.report;
-  const auto views = sort_views(all, pictures);
+  auto views = sort_views(all, pictures);
   if (views.with_silhouette.size() < 2)
     return failed(std::move(result), "empty silhouette in " + names_of(views.empty));
   if (std::all_of(views.with_silhouette.begin(), views.with_silhouette.end(), is_full))
     return failed(std::move(result), "the silhouettes fill all pictures: the key found no backdrop");
   if (const auto problem = settle_volume(views.with_silhouette, options, report); !problem.empty())
     return failed(std::move(result), problem);
+  if (options.put_back_lost && options.tolerate_misses == 0)
+    timed(report, "lost parts", [&] { put_back_lost(views, options, report); });
   const auto grid = carved(views, options, report);
   if (report.cut.solid_voxels == 0) return failed(std::move(result), nothing_inside(views.with_silhouette, options));
   result.mesh = timed(report, "marching cubes",

@@ -25,8 +25,10 @@ struct SurfaceOptions {
   int triangles = 20000;                      // at most; 0: all
   int min_views = 2;
   int tolerate_misses = 0;
-  bool fit_rims = true;        // else the surface is the hull's
-  int rim_stride = 1;          // every so manieth outline point makes a rim
+  bool put_back_lost =
+      true;              // what one or two mattes lost against all others (lost_parts.h), unless misses are tolerated
+  bool fit_rims = true;  // else the surface is the hull's
+  int rim_stride = 1;    // every so manieth outline point makes a rim
   bool match_pictures = true;  // where there are pictures: the fitted surface goes to where they agree (photo_fit.h)
   bool paper = false;          // as the first paper has it: the photo hull (photo_hull.h), smoothed, not fitted to rims
   bool collapse_slivers = true;
@@ -41,10 +43,9 @@ struct SurfaceStage {
   double wall_ms = 0.0, cpu_ms = 0.0;  // CPU of the calling thread
 };
 
-// What one view would have cut off if misses were not tolerated.
-struct DeniedShare {
+struct ViewShare {
   std::string camera;
-  double share = 0.0;  // of the solid
+  double share = 0.0;
 };
 
 struct SurfaceReport {
@@ -58,7 +59,8 @@ struct SurfaceReport {
   std::size_t carved_voxels = 0;  // of the photo hull
   MeshTopology topology;
   std::vector<std::string> disagreeing;  // cameras whose mattes the others do not support (matte_support.h), if known
-  std::vector<DeniedShare> denied;       // of views with any
+  std::vector<ViewShare> put_back;       // of a view's silhouette: what it had lost, by the others
+  std::vector<ViewShare> denied;         // of the solid: what a view would have cut off if misses were not tolerated
   double volume = 0.0, area = 0.0;       // of the mesh, world units cubed and squared
   std::vector<SurfaceStage> stages;      // in their order
   double cpu_s = 0.0;                    // of the calling thread's process while it ran

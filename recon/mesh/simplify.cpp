@@ -1,11 +1,11 @@
 #include "recon/mesh/simplify.h"
 
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
-#include <OpenMesh/Tools/Decimater/DecimaterT.hh>
-#include <OpenMesh/Tools/Decimater/ModNormalFlippingT.hh>
-#include <OpenMesh/Tools/Decimater/ModQuadricT.hh>
 #include <algorithm>
+#include <queue>
+#include <tuple>
 #include <vector>
 
 #include "config/errors.h"
@@ -71,31 +71,136 @@ bool turns_a_triangle(const Surgery& surgery, Surgery::VertexHandle vertex, Surg
   return false;
 }
 
-bool try_collapse(Surgery& surgery, Surgery::HalfedgeHandle halfedge) {
+bool try_collapse(Surgery& surgery, Surgery::HalfedgeHandle halfedge, const Surgery::Point& target) {
   const auto from = surgery.from_vertex_handle(halfedge), to = surgery.to_vertex_handle(halfedge);
-  const auto middle = (surgery.point(from) + surgery.point(to)) * 0.5;
-  if (!surgery.is_collapse_ok(halfedge) || turns_a_triangle(surgery, from, to, middle) ||
-      turns_a_triangle(surgery, to, from, middle))
+  if (!surgery.is_collapse_ok(halfedge) || turns_a_triangle(surgery, from, to, target) ||
+      turns_a_triangle(surgery, to, from, target))
     return false;
-  surgery.set_point(to, middle);
+  surgery.set_point(to, target);
   surgery.collapse(halfedge);
   return true;
 }
+
+Eigen::Vector3d place(const Surgery& surgery, Surgery::VertexHandle vertex) {
+  const auto& p = surgery.point(vertex);
+  return {p[0], p[1], p[2]};
+}
+
+// x^T A x + 2 b^T x + c: the sum of squared distances to planes, each times its triangle's area.
+struct Quadric {
+  Eigen::Matrix3d A = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d b = Eigen::Vector3d::Zero();
+  double c = 0.0;
+
+  void add(const Quadric& other) {
+    A += other.A;
+    b += other.b;
+    c += other.c;
+  }
+  double at(const Eigen::Vector3d& x) const { return x.dot(A * x + 2.0 * b) + c; }
+};
+
+// Edges by what their collapse costs; an entry that was overtaken is known by its edge's stamp.
+class CheapestEdges {
+ public:
+  explicit CheapestEdges(Surgery& surgery)
+      : surgery_(surgery), quadrics_(surgery.n_vertices()), stamps_(surgery.n_edges(), 0U) {
+    for (const auto face : surgery.faces()) add_plane(face);
+    std::vector<Entry> entries;
+    entries.reserve(surgery.n_edges());
+    for (const auto edge : surgery.edges()) entries.push_back(entry_of(edge));
+    queue_ = decltype(queue_)(std::greater<>(), std::move(entries));
+  }
+
+  // How many triangles went; 0 if no edge is left whose collapse is allowed.
+  std::size_t collapse_one() {
+    while (!queue_.empty()) {
+      const Entry entry = queue_.top();
+      queue_.pop();
+      const Surgery::EdgeHandle edge(static_cast<int>(entry.edge));
+      if (entry.stamp != stamps_[entry.edge] || surgery_.status(edge).deleted()) continue;
+      const std::size_t sides = surgery_.is_boundary(edge) ? 1 : 2;
+      if (collapse(cheaper_way(edge))) return sides;
+    }
+    return 0;
+  }
+
+ private:
+  struct Entry {
+    double cost;
+    std::uint32_t edge, stamp;
+    bool operator>(const Entry& other) const { return std::tie(cost, edge) > std::tie(other.cost, other.edge); }
+  };
+  static constexpr double kShort = 1e-6;  // prefers short edges where planes tell nothing, as on a flat piece
+
+  void add_plane(Surgery::FaceHandle face) {
+    auto corner = surgery_.cfv_begin(face);
+    const auto a = *corner, b = *++corner, c = *++corner;
+    const Eigen::Vector3d p = place(surgery_, a);
+    const Eigen::Vector3d twice = (place(surgery_, b) - p).cross(place(surgery_, c) - p);
+    const double area2 = twice.norm();
+    if (area2 == 0.0) return;
+    const Eigen::Vector3d normal = twice / area2;
+    const double offset = -normal.dot(p), weight = 0.5 * area2;
+    const Quadric plane{weight * normal * normal.transpose(), weight * offset * normal, weight * offset * offset};
+    for (const auto v : {a, b, c}) quadrics_[static_cast<std::size_t>(v.idx())].add(plane);
+  }
+
+  Quadric quadric_of(Surgery::HalfedgeHandle halfedge) const {
+    Quadric sum = quadrics_[static_cast<std::size_t>(surgery_.from_vertex_handle(halfedge).idx())];
+    sum.add(quadrics_[static_cast<std::size_t>(surgery_.to_vertex_handle(halfedge).idx())]);
+    return sum;
+  }
+
+  double cost_of(const Quadric& quadric, Surgery::VertexHandle kept) const { return quadric.at(place(surgery_, kept)); }
+
+  // Towards the end that costs less: positions are kept.
+  Surgery::HalfedgeHandle cheaper_way(Surgery::EdgeHandle edge) const {
+    const auto there = surgery_.halfedge_handle(edge, 0), back = surgery_.halfedge_handle(edge, 1);
+    const auto quadric = quadric_of(there);
+    const bool back_is_cheaper =
+        cost_of(quadric, surgery_.to_vertex_handle(back)) < cost_of(quadric, surgery_.to_vertex_handle(there));
+    return back_is_cheaper ? back : there;
+  }
+
+  Entry entry_of(Surgery::EdgeHandle edge) const {
+    const auto way = cheaper_way(edge);
+    const auto quadric = quadric_of(way);
+    const double cost = cost_of(quadric, surgery_.to_vertex_handle(way)) +
+                        kShort * quadric.A.trace() * surgery_.calc_edge_sqr_length(edge);
+    const auto index = static_cast<std::uint32_t>(edge.idx());
+    return {cost, index, stamps_[index]};
+  }
+
+  bool collapse(Surgery::HalfedgeHandle halfedge) {
+    const auto quadric = quadric_of(halfedge);
+    const auto kept = surgery_.to_vertex_handle(halfedge);
+    if (!try_collapse(surgery_, halfedge, surgery_.point(kept))) return false;
+    quadrics_[static_cast<std::size_t>(kept.idx())] = quadric;
+    for (const auto edge : surgery_.ve_range(kept)) {
+      ++stamps_[static_cast<std::size_t>(edge.idx())];
+      queue_.push(entry_of(edge));
+    }
+    return true;
+  }
+
+  Surgery& surgery_;
+  std::vector<Quadric> quadrics_;
+  std::vector<std::uint32_t> stamps_;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue_;
+};
 
 }  // namespace
 
 void simplify(TriangleMesh& mesh, std::size_t triangles) {
   if (mesh.triangles.size() <= triangles) return;
   auto surgery = to_surgery(mesh);
-  OpenMesh::Decimater::DecimaterT<Surgery> decimater(surgery);
-  OpenMesh::Decimater::ModQuadricT<Surgery>::Handle quadric;
-  OpenMesh::Decimater::ModNormalFlippingT<Surgery>::Handle flipping;
-  decimater.add(quadric);
-  decimater.module(quadric).unset_max_err();
-  decimater.add(flipping);
-  decimater.module(flipping).set_max_normal_deviation(60.0F);
-  decimater.initialize();
-  decimater.decimate_to_faces(0, triangles);
+  CheapestEdges edges(surgery);
+  for (std::size_t left = mesh.triangles.size(); left > triangles;) {
+    const std::size_t gone = edges.collapse_one();
+    if (gone == 0) break;
+    left -= gone;
+  }
   mesh = from_surgery(surgery);
 }
 
@@ -106,7 +211,11 @@ std::size_t collapse_slivers(TriangleMesh& mesh, double shortest) {
     any = false;
     for (const auto edge : surgery.edges()) {
       if (surgery.status(edge).deleted() || surgery.calc_edge_length(edge) >= shortest) continue;
-      if (!try_collapse(surgery, surgery.halfedge_handle(edge, 0))) continue;
+      const auto halfedge = surgery.halfedge_handle(edge, 0);
+      const auto middle =
+          (surgery.point(surgery.from_vertex_handle(halfedge)) + surgery.point(surgery.to_vertex_handle(halfedge))) *
+          0.5;
+      if (!try_collapse(surgery, halfedge, middle)) continue;
       ++collapsed;
       any = true;
     }

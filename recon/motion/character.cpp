@@ -79,6 +79,33 @@ void tell(const CharacterOptions& options, const std::string& what, std::size_t 
   if (options.progress) options.progress(what, done, total);
 }
 
+struct RecordedTakes {
+  std::vector<ClipSource> sources;
+  std::vector<ClipShape> shapes;
+};
+
+RecordedTakes read_takes(const std::vector<CharacterTake>& takes, const CharacterOptions& options) {
+  RecordedTakes recorded;
+  for (const auto& take : takes) recorded.sources.emplace_back(take);
+  check_rates(recorded.sources);
+  for (auto& source : recorded.sources) {
+    tell(options, "reading " + source.take().name, recorded.shapes.size(), takes.size());
+    recorded.shapes.push_back(source.shape());
+  }
+  return recorded;
+}
+
+void cut_jumps(RecordedTakes& recorded, CharacterReport& report) {
+  for (std::size_t i = 0; i < recorded.sources.size(); ++i) {
+    auto& source = recorded.sources[i];
+    source.cut_jumps(recorded.shapes[i]);
+    if (source.frame_count() < source.header().frame_count())
+      report.told.push_back(
+          fmt::format("{} jumps: only its frames {}:{} are used", source.take().take, source.first(), source.end()));
+  }
+  check_rates(recorded.sources);
+}
+
 void write_clip(ClipSource& source, const GaitEvents& events, const fs::path& file) {
   std::vector<GeometryImage> images;
   GeometryVideoHeader header;
@@ -134,29 +161,20 @@ bool is_character(const fs::path& folder) {
 CharacterReport build_character(const std::vector<CharacterTake>& takes, const fs::path& folder,
                                 const CharacterOptions& options) {
   check_takes(takes, folder);
-  std::vector<ClipSource> sources;
-  for (const auto& take : takes) sources.emplace_back(take);
-  check_rates(sources);
-  CharacterReport report;
-  std::vector<ClipShape> shapes;
-  for (auto& source : sources) {
-    tell(options, "reading " + source.take().name, shapes.size(), sources.size());
-    shapes.push_back(source.shape());
-    if (source.frame_count() < source.header().frame_count())
-      report.told.push_back(
-          fmt::format("{} jumps: only its frames {}:{} are used", source.take().take, source.first(), source.end()));
-  }
-  tell(options, "matching", 0, sources.size());
-  check_lattices(sources, shapes);
-  tell(options, "joining", 0, sources.size());
-  std::vector<MovingClip> clips;
-  for (auto& shape : shapes) clips.push_back(moving_clip(std::move(shape)));
-  auto built = build_graph(clips, options.name, options.blend);
-  for (std::size_t i = 0; i < takes.size(); ++i) built.graph.clips[i].take = takes[i].take;
   FolderInTheMaking making(folder);
-  for (std::size_t i = 0; i < sources.size(); ++i) {
-    tell(options, "writing " + sources[i].take().name, i, sources.size());
-    write_clip(sources[i], clips[i].events, clip_video_of(making.path(), sources[i].take().name));
+  CharacterReport report;
+  auto recorded = read_takes(takes, options);
+  check_people(recorded.sources, recorded.shapes);
+  check_lattices(recorded.sources, recorded.shapes);
+  cut_jumps(recorded, report);
+  tell(options, "joining", 0, takes.size());
+  std::vector<MovingClip> clips;
+  for (auto& shape : recorded.shapes) clips.push_back(moving_clip(std::move(shape)));
+  auto built = build_graph(clips, options.name, options.blend);
+  for (std::size_t i = 0; i < takes.size(); ++i) {
+    built.graph.clips[i].take = takes[i].take;
+    tell(options, "writing " + takes[i].name, i, takes.size());
+    write_clip(recorded.sources[i], clips[i].events, clip_video_of(making.path(), takes[i].name));
   }
   write_graph(graph_of(making.path()), built.graph);
   making.finish();

@@ -19,6 +19,9 @@ class ClipSource {
   int end() const { return end_; }  // one past the last, of the video
   int frame_count() const { return end_ - first_; }
 
+  // The longest part without a jump within the surfaces, which correspond: a frame whose step is three times those
+  // beside it and more than people can do. `shape` is cut alike.
+  void cut_jumps(ClipShape& shape);
   GeometryImage read(int frame);  // from 0
   ClipShape shape();              // at level 7 or the video's
 
@@ -28,7 +31,8 @@ class ClipSource {
   int first_ = 0, end_ = 0;
 };
 
-// Throws InvalidInput for takes of different people, and for takes whose lattices do not correspond sample by sample.
+// Throw InvalidInput for takes of different people, and for takes whose lattices do not correspond.
+void check_people(const std::vector<ClipSource>& sources, const std::vector<ClipShape>& shapes);
 void check_lattices(const std::vector<ClipSource>& sources, const std::vector<ClipShape>& shapes);
 
 }  // namespace rotunda::recon

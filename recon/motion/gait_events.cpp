@@ -13,6 +13,7 @@ constexpr double kFlat = 0.35;        // share of the widest sole from which a f
 constexpr double kStands = 0.08;      // m/s: a floor that is slower stands still
 constexpr double kGoes = 0.25;        // m/s: who is slower stands
 constexpr double kDown = 0.030;       // metres above the floor below which a foot may have landed: the surface's error
+constexpr double kCarried = 0.5;      // share of the person's speed at which the floor takes a foot back
 constexpr double kLeastSwing = 0.12;  // of the height: the way of a foot past the body in a step
 constexpr double kStepTime = 0.2;     // seconds: no foot strikes twice within twice that
 
@@ -81,8 +82,16 @@ bool is_peak(const std::vector<std::optional<double>>& way, int at, int reach) {
   return true;
 }
 
-void find_strikes(const ClipShape& clip, const Feet& feet, Side side, const Eigen::Vector2d& forward, double height,
-                  std::vector<HeelStrike>& strikes) {
+// A foot slows down against the body only when the floor has it: then it is low, or goes back as the floor does. (A
+// heel's tip is what reconstruction loses first: the foot of a striking heel looks some centimetres too high.)
+bool has_landed(const Feet& feet, const std::vector<std::optional<double>>& way, int at, double carried) {
+  const auto i = static_cast<std::size_t>(at);
+  if (!feet[i].seen) return false;
+  return feet[i].height <= kDown || (way[i] && way[i - 1] && *way[i - 1] - *way[i] >= carried);
+}
+
+void find_strikes(const ClipShape& clip, const Feet& feet, Side side, const Eigen::Vector2d& forward,
+                  const GaitEvents& known, std::vector<HeelStrike>& strikes) {
   const auto way = ahead(clip, feet, forward);
   double least = 1e9, most = -1e9;
   for (const auto& w : way)
@@ -90,17 +99,14 @@ void find_strikes(const ClipShape& clip, const Feet& feet, Side side, const Eige
       least = std::min(least, *w);
       most = std::max(most, *w);
     }
-  if (most - least < kLeastSwing * height) return;
+  if (most - least < kLeastSwing * known.height) return;
   const int reach = static_cast<int>(std::lround(kStepTime * clip.fps)), last = static_cast<int>(feet.size()) - 1;
   for (int at = 0; at <= last; ++at) {
     if (!is_peak(way, at, reach) || *way[static_cast<std::size_t>(at)] < 0.5 * (least + most)) continue;
-    int down = at + 1;  // a foot slows down against the body only when the floor has it
-    const auto in_air = [&](int i) {
-      const auto& foot = feet[static_cast<std::size_t>(i)];
-      return !foot.seen || foot.height > kDown;
-    };
-    while (down <= last && down <= at + reach && in_air(down)) ++down;
-    if (down <= last && !in_air(down)) strikes.push_back({down, side});
+    int down = at + 1;
+    while (down <= last && down <= at + reach && !has_landed(feet, way, down, kCarried * known.speed / clip.fps))
+      ++down;
+    if (down <= std::min(last, at + reach)) strikes.push_back({down, side});
   }
 }
 
@@ -154,7 +160,7 @@ GaitEvents gait_events(const ClipShape& clip) {
   const std::size_t left = first_is_left(tracks, forward) ? 0 : 1;
   for (const std::size_t foot : {left, 1 - left}) {
     const Side side = foot == left ? Side::left : Side::right;
-    if (goes) find_strikes(clip, tracks.feet[foot], side, forward, events.height, events.strikes);
+    if (goes) find_strikes(clip, tracks.feet[foot], side, forward, events, events.strikes);
     find_contacts(tracks, tracks.feet[foot], side, flat, step, events.contacts);
   }
   std::sort(events.strikes.begin(), events.strikes.end(), [](auto a, auto b) { return a.frame < b.frame; });

@@ -102,8 +102,7 @@ class Builder {
     auto joins = find_joins(clip, clip_named(state.clip),
                             {half, clip.shape.frame_count(), state.loop.enter, state.loop.leave}, blend_);
     if (joins.empty()) return std::nullopt;
-    return *std::min_element(joins.begin(), joins.end(),
-                             [](const auto& a, const auto& b) { return a.price.error_mm < b.price.error_mm; });
+    return best_seam(joins);
   }
 
   bool add_action(const MovingClip& clip) {
@@ -158,14 +157,9 @@ class Builder {
         MotionTransition transition{.name = from.name + "-" + to.name, .from = from.name, .to = to.name};
         transition.leaves = nearest_joins(clip_named(from.clip), clip_named(to.clip), range, blend_);
         built_.told.push_back(fmt::format("{} was not recorded: synthesised by blending, {:.0f} mm apart at best",
-                                          transition.name, best_of(transition).price.error_mm));
+                                          transition.name, best_seam(transition.leaves).price.error_mm));
         built_.graph.transitions.push_back(std::move(transition));
       }
-  }
-
-  static const Join& best_of(const MotionTransition& transition) {
-    return *std::min_element(transition.leaves.begin(), transition.leaves.end(),
-                             [](const auto& a, const auto& b) { return a.price.error_mm < b.price.error_mm; });
   }
 
   const std::vector<MovingClip>& clips_;

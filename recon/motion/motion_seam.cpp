@@ -14,7 +14,7 @@ constexpr double kNotMuchWorse = 1.5;      // of the best seam's distance ...
 constexpr double kNotMuchFarther = 0.004;  // ... or metres beyond it
 constexpr double kPatience = 0.4;          // seconds between ways out of a state, where they will do:
 constexpr double kPassable = 0.025;        // metres rms
-constexpr int kLongestLeave = 15;          // frames of a blend out of standing
+constexpr int kLongestLeave = 15;          // frames of a blend between clips
 constexpr double kStandsOut = 1.5;         // of a clip's median largest step: what is more is seen
 constexpr int kLongestBlend = 25;          // frames: a second; the quiet motions of standing bear it
 constexpr double kSole = 0.03;             // metres above the floor
@@ -24,6 +24,16 @@ struct Found {
   int leave = 0, enter = 0;
   double distance = 1e9;
 };
+
+// Of seams that nobody sees the one whose surfaces are nearest, else the one that stands out least.
+bool better(const Join& a, const Join& b) {
+  const bool seen = std::max(a.price.step_ratio, b.price.step_ratio) > kStandsOut;
+  return seen ? a.price.step_ratio < b.price.step_ratio : a.price.error_mm < b.price.error_mm;
+}
+
+double not_much_worse(double best) {
+  return std::max(kNotMuchWorse * best, best + kNotMuchFarther);
+}
 
 // Strides of one foot, in frames.
 std::vector<int> strides(const GaitEvents& events) {
@@ -38,22 +48,35 @@ std::vector<int> strides(const GaitEvents& events) {
   return lengths;
 }
 
-Found best_period(const PairTable& table, int shortest, int longest, int blend) {
-  Found best;
+// Cycles of these lengths, the most alike ends first.
+std::vector<Found> periods(const PairTable& table, int shortest, int longest, int blend) {
+  std::vector<Found> found;
   for (int period = shortest; period <= longest; ++period)
-    for (int enter = 0; enter + period + blend <= table.rows(); ++enter) {
-      const double distance = table.window(enter + period, enter, blend).distance;
-      if (distance < best.distance) best = {enter + period, enter, distance};
-    }
-  return best;
+    for (int enter = 0; enter + period + blend <= table.rows(); ++enter)
+      found.push_back({enter + period, enter, table.window(enter + period, enter, blend).distance});
+  std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.distance < b.distance; });
+  return found;
 }
 
-// Of the cycles nearly as good as the best the longest: standing people repeat themselves least that way.
-Found longest_period(const PairTable& table, int shortest, int blend) {
-  const Found best = best_period(table, shortest, table.rows() - blend, blend);
-  for (int period = table.rows() - blend; period >= shortest; --period) {
-    const Found found = best_period(table, period, period, blend);
-    if (found.distance <= std::max(kNotMuchWorse * best.distance, 0.5 * kNotMuchFarther)) return found;
+// Of those not much worse than the first, the longest first: standing people repeat themselves least that way.
+std::vector<Found> longest(std::vector<Found> found) {
+  if (found.empty()) return found;
+  const double good = std::max(kNotMuchWorse * found.front().distance, 0.5 * kNotMuchFarther);
+  const auto end = std::partition_point(found.begin(), found.end(), [&](const auto& f) { return f.distance <= good; });
+  found.erase(end, found.end());
+  std::stable_sort(found.begin(), found.end(),
+                   [](const auto& a, const auto& b) { return a.leave - a.enter > b.leave - b.enter; });
+  return found;
+}
+
+// The best of those not much worse than the first.
+std::optional<Join> best_loop(const MovingClip& clip, const std::vector<Found>& found, int blend) {
+  constexpr std::size_t kTried = 40;
+  std::optional<Join> best;
+  for (std::size_t i = 0; i < std::min(kTried, found.size()); ++i) {
+    if (found[i].distance > std::min(kSameMoment, not_much_worse(found.front().distance))) break;
+    const Join loop = make_join(clip, clip, found[i].leave, found[i].enter, blend);
+    if (!best || better(loop, *best)) best = loop;
   }
   return best;
 }
@@ -174,7 +197,7 @@ std::vector<Found> best_enters(const MovingClip& from, const MovingClip& to, con
 std::vector<Found> kept(const std::vector<Found>& found, double limit, int patience) {
   double best = limit;
   for (const auto& one : found) best = std::min(best, one.distance);
-  const double good = std::min(limit, std::max(kNotMuchWorse * best, best + kNotMuchFarther));
+  const double good = std::min(limit, not_much_worse(best));
   const double passable = std::min(limit, std::max(good, kPassable));
   std::vector<Found> chosen;
   for (std::size_t i = 0; i < found.size();) {
@@ -195,6 +218,18 @@ std::vector<Found> kept(const std::vector<Found>& found, double limit, int patie
   return chosen;
 }
 
+// Seams that are seen are left out where another comes within the patience.
+std::vector<Join> least_seen(const std::vector<Join>& joins, int patience) {
+  const auto unseen = [](const Join& join) { return join.price.step_ratio <= kStandsOut; };
+  std::vector<Join> kept;
+  for (auto join = joins.begin(); join != joins.end(); ++join) {
+    const auto next = std::find_if(join, joins.end(), unseen);
+    const int last = kept.empty() ? joins.front().leave : kept.back().leave;
+    if (next == join || next == joins.end() || next->leave - last > patience) kept.push_back(*join);
+  }
+  return kept;
+}
+
 std::vector<Join> joins_within(double limit, const MovingClip& from, const MovingClip& to, const JoinRange& range,
                                int blend) {
   const int patience = std::max(1, static_cast<int>(std::lround(kPatience * from.shape.fps)));
@@ -204,15 +239,13 @@ std::vector<Join> joins_within(double limit, const MovingClip& from, const Movin
     Join join = make_join(from, to, one.leave, one.enter, blend);
     const int longest =
         std::min({kLongestLeave, from.shape.frame_count() - one.leave, to.shape.frame_count() - one.enter});
-    for (int longer = blend + 5; from.events.speed == 0.0 && join.price.step_ratio > kStandsOut && longer <= longest;
-         longer += 5) {
+    for (int longer = blend + 1; join.price.step_ratio > kStandsOut && longer <= longest; longer += 2) {
       const Join slower = make_join(from, to, one.leave, one.enter, longer);
-      if (slower.price.step_ratio >= join.price.step_ratio) break;
-      join = slower;
+      if (slower.price.step_ratio < join.price.step_ratio) join = slower;
     }
     joins.push_back(join);
   }
-  return joins;
+  return least_seen(joins, patience);
 }
 
 }  // namespace
@@ -238,23 +271,29 @@ double largest_step(const std::vector<Eigen::Vector3f>& from, const std::vector<
 
 CycleSearch find_cycle(const MovingClip& clip, int blend) {
   const PairTable table(clip.shape, clip.shape);
+  std::vector<Found> found;
   if (clip.events.speed > 0.0) {
     const auto lengths = strides(clip.events);
     const int stride = lengths.empty() ? 0 : lengths[lengths.size() / 2];
-    const Found best = stride > 0 ? best_period(table, stride - 1, stride + 1, blend) : Found{};
-    if (best.leave == 0 || best.distance > kSameMoment) return {std::nullopt, no_cycle(clip, best)};
-    return {make_join(clip, clip, best.leave, best.enter, blend), {}};
+    if (stride > 0) found = periods(table, stride - 1, stride + 1, blend);
+    const auto loop = best_loop(clip, found, blend);
+    return {loop, loop ? "" : no_cycle(clip, found.empty() ? Found{} : found.front())};
   }
   const int shortest = static_cast<int>(std::lround(kShortestCycle * clip.shape.fps));
-  CycleSearch found{std::nullopt, no_cycle(clip, longest_period(table, shortest, blend))};
+  found = periods(table, shortest, table.rows() - blend, blend);
+  CycleSearch search;
   for (int longer = blend; longer <= std::max(blend, kLongestBlend); longer += 5) {
-    const Found best = longest_period(table, std::max(shortest, longer), longer);
-    if (best.leave == 0 || best.distance > kSameMoment) break;
-    const Join loop = make_join(clip, clip, best.leave, best.enter, longer);
-    if (!found.loop || loop.price.step_ratio < found.loop->price.step_ratio) found.loop = loop;
-    if (loop.price.step_ratio <= kStandsOut) break;
+    const auto loop =
+        best_loop(clip, longest(periods(table, std::max(shortest, longer), table.rows() - longer, longer)), longer);
+    if (loop && (!search.loop || better(*loop, *search.loop))) search.loop = loop;
+    if (search.loop && search.loop->price.step_ratio <= kStandsOut) break;
   }
-  return found;
+  if (!search.loop) search.failure = no_cycle(clip, found.empty() ? Found{} : found.front());
+  return search;
+}
+
+const Join& best_seam(const std::vector<Join>& joins) {
+  return *std::min_element(joins.begin(), joins.end(), better);
 }
 
 std::vector<Join> find_joins(const MovingClip& from, const MovingClip& to, const JoinRange& range, int blend) {

@@ -35,6 +35,7 @@ struct GeometryVideoHeader {
   VideoProfile profile = VideoProfile::master;
   int level = 8;         // positions: (2^level + 1)^2
   int colour_level = 8;  // colours and coverage
+  bool aligned = false;  // a sample is the same point of the performer in every frame
   double fps = 25.0;
   std::int64_t first_frame = 0;            // the take's number of frame 0
   Eigen::AlignedBox3d box;                 // of all positions relative to their frame's root, metres

@@ -80,6 +80,7 @@ GeometryVideoHeader parse(const json& j) {
   header.fps = j.at("fps").get<double>();
   if (!(header.fps > 0.0 && header.fps <= 1000.0)) corrupt(fmt::format("rate of {} frames/s", header.fps));
   header.first_frame = j.at("first_frame").get<std::int64_t>();
+  header.aligned = j.value("aligned", false);
   header.box = box_of(j, "box");
   if (header.profile == VideoProfile::stream) header.difference_box = box_of(j, "difference_box");
   read_frames(j.at("frames"), header);
@@ -110,6 +111,7 @@ std::string to_json(const GeometryVideoHeader& header) {
             {"first_frame", header.first_frame},
             {"box", json_of(header.box)},
             {"frames", std::move(frames)}};
+  if (header.aligned) j["aligned"] = true;
   if (header.profile != VideoProfile::master) j["profile"] = to_string(header.profile);
   if (header.profile == VideoProfile::stream) j["difference_box"] = json_of(header.difference_box);
   return j.dump(1, ' ', false, json::error_handler_t::replace);

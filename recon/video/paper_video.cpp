@@ -10,6 +10,7 @@
 #include "config/errors.h"
 #include "recon/video/lattice_normals.h"
 #include "recon/video/media_file.h"
+#include "recon/whole_file.h"
 
 namespace rotunda::recon {
 namespace {
@@ -84,15 +85,6 @@ Eigen::Vector3f position_of(const cv::Vec3f& bgr) {
 Colour colour_of(const cv::Vec3f& bgr) {
   return {cv::saturate_cast<std::uint8_t>(bgr[2]), cv::saturate_cast<std::uint8_t>(bgr[1]),
           cv::saturate_cast<std::uint8_t>(bgr[0])};
-}
-
-void write_text(const std::filesystem::path& file, const std::string& text) {
-  const std::filesystem::path written = file.string() + ".part";
-  std::ofstream out(written, std::ios::binary);
-  out << text << std::flush;
-  if (!out) throw std::system_error(errno, std::generic_category(), "writing " + written.string());
-  out.close();
-  std::filesystem::rename(written, file);
 }
 
 GeometryVideoHeader read_header(const std::filesystem::path& file) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -10,6 +11,8 @@
 #include "config/exit_code.h"
 #include "config/progress.h"
 #include "playback/render/animation_film.h"
+#include "playback/render/scan_video.h"
+#include "recon/body/motion_capture.h"
 #include "recon/export/animation_export.h"
 #include "recon/mesh/mesh_file.h"
 #include "rig/cli/command_line.h"
@@ -24,15 +27,30 @@ using nlohmann::json;
 struct AnimateArguments {
   fs::path motion, scan, markers, output, write_markers;
   std::string to, frames;
-  bool as_paper = false, trust_angles = false;
+  std::optional<fs::path> calibration;
+  double turns = 1.0;
+  bool as_paper = false, trust_angles = false, view_dependent = false, beside_template = false;
 };
 
-recon::BodyMotion read_motion(const AnimateArguments& arguments) {
-  if (fs::is_directory(arguments.motion))
-    throw InvalidInput(arguments.motion.string() +
-                       " is a take: capture its motion first (rotunda mocap) and animate with the .bvh");
+bool is_take(const AnimateArguments& arguments) {
+  return !fs::is_regular_file(arguments.motion);
+}
+
+recon::CapturedMotion capture(const CommandLine& line, const AnimateArguments& arguments, const std::stop_token& stop) {
+  recon::MotionCaptureOptions options{.take = find_take(line, arguments.motion), .calibration = arguments.calibration};
+  if (!arguments.frames.empty()) options.frames = frame_range(arguments.frames);
+  Progress bar("mocap " + options.take.filename().string());
+  auto report = recon::capture_motion(
+      options, [&](std::size_t done, std::size_t total) { bar.update(done, total); }, stop);
+  if (report.interrupted)
+    throw std::system_error(std::make_error_code(std::errc::operation_canceled), "stopped before the motion was whole");
+  return std::move(report.motion);
+}
+
+recon::BodyMotion read_motion(const CommandLine& line, const AnimateArguments& arguments, const std::stop_token& stop) {
   const recon::BvhImportOptions options{.name = arguments.motion.filename().string(),
-                                        .trust_angles = arguments.trust_angles};
+                                        .trust_angles = arguments.trust_angles || is_take(arguments)};
+  if (is_take(arguments)) return recon::import_bvh(recon::bvh_of(capture(line, arguments, stop)), options);
   auto motion = recon::import_bvh(recon::read_bvh(arguments.motion), options);
   if (arguments.frames.empty()) return motion;
   const auto [first, end] = frame_range(arguments.frames);
@@ -122,9 +140,55 @@ void report(const recon::AnimationExportReport& report, const AnimateArguments& 
                1000.0 * report.skin_rms, 1000.0 * report.skin_worst);
 }
 
+void check(const AnimateArguments& arguments) {
+  if (!arguments.view_dependent) {
+    if (arguments.beside_template) throw InvalidInput("--beside-template compares 3D videos: add --view-dependent");
+    if (arguments.calibration && !is_take(arguments))
+      throw InvalidInput("--calibration says where a take's cameras stand, and --motion is no take");
+    return;
+  }
+  if (!is_take(arguments))
+    throw InvalidInput("--view-dependent colours the scan by the pictures of a take: give the take as --motion");
+  if (arguments.output.extension() != ".mp4" && !arguments.output.extension().empty())
+    throw InvalidInput(arguments.output.string() + ": a 3D video is a .mp4, or a folder of pictures");
+}
+
+// The performer's legs in a scan and in a take differ by less: shoes, a template's faults.
+constexpr double kSameLegs = 0.06;
+
+// 3D video: the scan where the performer was, in the pictures of the take.
+int film_video(const CommandLine& line, const AnimateArguments& arguments, const std::stop_token& stop) {
+  auto scan = recon::prepare_scan(recon::read_mesh(arguments.scan));
+  tell(scan.notes, arguments.scan, line.json);
+  const auto markers = markers_for(arguments, scan);
+  recon::ScanAnimation animation(std::move(scan), markers, {.as_paper = arguments.as_paper});
+  tell(animation.notes(), arguments.scan, line.json);
+  const auto motion = capture(line, arguments, stop);
+  const double legs = animation.fit().body.skeleton.leg_length(), theirs = motion.body.skeleton.leg_length();
+  if (std::abs(legs / theirs - 1.0) > kSameLegs)
+    fmt::print(
+        stderr,
+        "{}: its legs are {:.2f} m long, those in the take {:.2f} m: another person's pictures will not fit it\n",
+        arguments.scan.string(), legs, theirs);
+  Progress bar("rendering");
+  playback::ScanVideoOptions options{.output = arguments.output,
+                                     .take = find_take(line, arguments.motion),
+                                     .calibration = arguments.calibration,
+                                     .beside_template = arguments.beside_template,
+                                     .turns = arguments.turns};
+  options.progress = [&](std::size_t done, std::size_t total) { bar.update(done, total); };
+  options.stop = stop;
+  playback::write_scan_video(animation, motion, options);
+  if (line.json)
+    fmt::print("{}\n", json{{"output", arguments.output.string()}, {"frames", motion.frames.size()}}.dump(2));
+  return kDone;
+}
+
 int animate(const CommandLine& line, const AnimateArguments& arguments, std::stop_token stop) {
+  check(arguments);
+  if (arguments.view_dependent) return film_video(line, arguments, stop);
   const std::string kind = kind_of(arguments);
-  const auto motion = read_motion(arguments);
+  const auto motion = read_motion(line, arguments, stop);
   tell(motion.notes, arguments.motion, line.json);
   auto scan = recon::prepare_scan(recon::read_mesh(arguments.scan));
   tell(scan.notes, arguments.scan, line.json);
@@ -163,9 +227,8 @@ int animate(const CommandLine& line, const AnimateArguments& arguments, std::sto
 void add_animate_command(CommandLine& line) {
   auto arguments = std::make_shared<AnimateArguments>();
   auto* app = line.app.add_subcommand("animate", "moves a body scan as somebody moved");
-  app->add_option("--motion", arguments->motion, "FILE.bvh: anyone's motion capture")
-      ->required()
-      ->check(CLI::ExistingPath);
+  app->add_option("--motion", arguments->motion, "FILE.bvh: anyone's motion capture; or a take, whose is captured")
+      ->required();
   app->add_option("--scan", arguments->scan, "FILE.ply or .obj: a person in an A- or T-pose, any size of mesh")
       ->required()
       ->check(CLI::ExistingFile);
@@ -184,8 +247,15 @@ void add_animate_command(CommandLine& line) {
                 "as de Aguiar et al. 2007: nothing held in place but by least squares, volume left to itself");
   app->add_flag("--trust-angles", arguments->trust_angles,
                 "take a BVH's angles as degrees though they look like radians");
+  app->add_flag("--view-dependent", arguments->view_dependent,
+                "3D video: the performer's own scan where they were, in the colours of the take's pictures, as a film");
+  app->add_flag("--beside-template", arguments->beside_template,
+                "3D video: and to the right of it the motion capture's template in the same pictures");
+  app->add_option("--turns", arguments->turns, "3D video: of the eye round the performer")->capture_default_str();
+  app->add_option("--calibration", arguments->calibration, "of the take, if not its own")->check(CLI::ExistingFile);
   app->footer(
       "Examples:\n  rotunda animate --motion dance.bvh --scan scan.ply -o dance.glb\n"
+      "  rotunda animate --motion demo --scan scan.ply --view-dependent -o video.mp4\n"
       "  rotunda animate --motion dance.bvh --scan scan.ply --write-markers markers.yaml -o dance.mp4\n"
       "  rotunda animate --motion dance.bvh --scan scan.ply --markers markers.yaml --to pc2 -o dance.obj");
   app->callback([&line, arguments] {

@@ -67,7 +67,8 @@ json header_report(const recon::GeometryVideoHeader& header) {
       failed.push_back(
           {{"frame", header.first_frame + i}, {"reason", header.statuses[static_cast<std::size_t>(i)].reason}});
   return {{"frames", header.frame_count()}, {"first_frame", header.first_frame},   {"fps", header.fps},
-          {"level", header.level},          {"colour_level", header.colour_level}, {"interpolated", failed}};
+          {"level", header.level},          {"colour_level", header.colour_level}, {"aligned", header.aligned},
+          {"interpolated", failed}};
 }
 
 int show(const CommandLine& line, const std::string& clip, const fs::path& picture, std::size_t frame) {
@@ -83,8 +84,9 @@ int show(const CommandLine& line, const std::string& clip, const fs::path& pictu
   if (line.json)
     fmt::print("{}\n", report.dump(2));
   else
-    fmt::print("{} frames from {} on at {} Hz, level {}, {} interpolated\n", video.frame_count(),
-               video.header().first_frame, video.header().fps, video.header().level, report["interpolated"].size());
+    fmt::print("{} frames from {} on at {} Hz, level {}, {}, {} interpolated\n", video.frame_count(),
+               video.header().first_frame, video.header().fps, video.header().level,
+               video.header().aligned ? "aligned" : "not aligned", report["interpolated"].size());
   return kDone;
 }
 

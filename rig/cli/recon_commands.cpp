@@ -40,6 +40,19 @@ json to_json(const std::vector<recon::StageCost>& stages) {
   return list;
 }
 
+json to_json(const recon::TakeAlignmentReport& report) {
+  json frames = json::array();
+  for (const auto& frame : report.frames)
+    frames.push_back({{"frame", frame.frame},
+                      {"residual_mean_mm", frame.residual_mean_mm},
+                      {"residual_p95_mm", frame.residual_p95_mm},
+                      {"stretch_p95", frame.stretch_p95},
+                      {"folds", frame.folds}});
+  json result{{"how", report.how}, {"frames", frames}, {"stages", to_json(report.stages)}};
+  if (!report.why_no_skeleton.empty()) result["why_no_skeleton"] = report.why_no_skeleton;
+  return result;
+}
+
 json to_json(const recon::TakeReconstructionReport& report) {
   json failed = json::array();
   for (const auto& frame : report.failed) failed.push_back({{"frame", frame.frame}, {"reason", frame.reason}});
@@ -52,7 +65,29 @@ json to_json(const recon::TakeReconstructionReport& report) {
           {"wall_s", report.wall_s},
           {"cpu_s", report.cpu_s},
           {"stages", to_json(report.stages)},
-          {"cameras", json::parse(recon::to_json(report.cameras))}};
+          {"cameras", json::parse(recon::to_json(report.cameras))},
+          {"alignment", report.alignment ? to_json(*report.alignment) : json()}};
+}
+
+void print_alignment(const recon::TakeReconstructionReport& report) {
+  if (!report.unaligned.empty()) fmt::print("frames are not aligned: {}\n", report.unaligned);
+  if (!report.alignment || report.alignment->frames.empty()) return;
+  const auto& frames = report.alignment->frames;
+  double mean = 0.0, p95 = 0.0, stretch = 1.0;
+  std::size_t folds = 0;
+  for (const auto& frame : frames) {
+    mean += frame.residual_mean_mm / static_cast<double>(frames.size());
+    p95 = std::max(p95, frame.residual_p95_mm);
+    stretch = std::max(stretch, frame.stretch_p95);
+    folds += frame.folds;
+  }
+  fmt::print(
+      "{} frames aligned by {}: {:.1f} mm from their own surfaces (mean; worst frame's 95 % within {:.1f} mm), {} "
+      "folds, "
+      "stretch {:.2f}\n",
+      frames.size(), report.alignment->how, mean, p95, folds, stretch);
+  if (!report.alignment->why_no_skeleton.empty())
+    fmt::print("  no skeleton, so surfaces were followed from frame to frame: {}\n", report.alignment->why_no_skeleton);
 }
 
 void print_report(const recon::TakeReconstructionReport& report) {
@@ -62,6 +97,7 @@ void print_report(const recon::TakeReconstructionReport& report) {
                stage.median_cpu_ms, stage.cpu_s);
   fmt::print("{} of {} frames mapped ({} from an earlier run) in {:.1f} s, {:.1f} s CPU\n", report.mapped,
              report.frames, report.resumed, report.wall_s, report.cpu_s);
+  print_alignment(report);
   for (const auto& frame : report.failed) fmt::print("  frame {} failed: {}\n", frame.frame, frame.reason);
   if (!report.video.empty()) fmt::print("{}\n", report.video.string());
 }
@@ -88,7 +124,7 @@ int tell(const recon::TakeReconstructionReport& report, bool as_json) {
 }
 
 struct ReconArguments {
-  std::string take, frames, quality = "full";
+  std::string take, frames, reference, quality = "full";
   fs::path calibration, meshes, mattes;
   std::optional<int> colour_level;
   recon::TakeReconstructionOptions options;
@@ -101,6 +137,8 @@ int reconstruct(const CommandLine& line, ReconArguments arguments, std::stop_tok
   if (!arguments.calibration.empty()) options.calibration = arguments.calibration;
   if (!arguments.meshes.empty()) options.meshes = arguments.meshes;
   if (!arguments.mattes.empty()) options.mattes = arguments.mattes;
+  if (!arguments.reference.empty()) options.reference = find_take(line, arguments.reference);
+  options.align = options.align || options.reference;
   if (arguments.quality == "live") {
     options.quality = recon::Quality::live;
     options.level = options.colour_level = 7;
@@ -202,6 +240,10 @@ void add_recon_commands(CommandLine& line) {
       ->capture_default_str();
   recon->add_option("--colour-level", arguments->colour_level,
                     "(2^level + 1)^2 colours: as many as positions (8; live: 7), or up to two levels more");
+  recon->add_flag("--align", options.align,
+                  "sample every frame at the same points of the performer, told by the skeleton; else each on its own");
+  recon->add_option("--reference", arguments->reference,
+                    "another take of the same person, aligned: align this one to its points");
   recon->add_option("--calibration", arguments->calibration, "use this instead of the take's own");
   recon->add_option("--frames", arguments->frames, "A:B, half-open, counted from 0");
   recon->add_option("--jobs", options.jobs, "frames at once (else one a core)")->check(CLI::Range(1, 256));
@@ -209,7 +251,8 @@ void add_recon_commands(CommandLine& line) {
   recon->add_option("--mattes", arguments->mattes, "also write DIR/<camera>/frame000000.png");
   recon->footer(
       "Finished frames are kept: an interrupted run goes on where it stopped.\n"
-      "Example:\n  rotunda recon demo --frames 0:25 --meshes surfaces");
+      "Example:\n  rotunda recon demo --frames 0:25 --meshes surfaces\n  rotunda recon walk --align\n  rotunda recon "
+      "jog --reference walk");
   recon->callback([&line, arguments] {
     line.run = [&line, arguments](std::stop_token stop) { return reconstruct(line, *arguments, std::move(stop)); };
   });

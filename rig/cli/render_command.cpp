@@ -86,7 +86,8 @@ std::unique_ptr<playback::FramePainter> painter_for(const CommandLine& line, con
     throw InvalidInput(arguments.clip +
                        " is a geometry video alone; --view-dependent draws with the pictures of its "
                        "take: name the take instead");
-  return playback::view_dependent_painter(video, find_take(line, arguments.clip), arguments.calibration);
+  return playback::view_dependent_painter(
+      video, std::make_shared<playback::TakePictures>(find_take(line, arguments.clip), arguments.calibration));
 }
 
 int render_orbit(const CommandLine& line, const RenderArguments& arguments, recon::GeometryVideoReader& video,
@@ -111,7 +112,7 @@ int render_orbit(const CommandLine& line, const RenderArguments& arguments, reco
     laps.lap();
     bar.update(static_cast<std::size_t>(done), static_cast<std::size_t>(all));
   };
-  playback::render_orbit(video, *painter, options, *film);
+  playback::render_orbit(playback::performer_path(video.header()), {painter.get()}, options, *film);
   return tell(line, clock, arguments.output, !stop.stop_requested());
 }
 

@@ -50,24 +50,34 @@ bool usable(const capture::FrameSet& set) {
   });
 }
 
-LivePicture live_picture(const recon::FrameViews& views, std::size_t i) {
-  const cv::Mat& rgb = views.pictures[i];
-  const cv::Size size(std::min(kPictureWidth, rgb.cols), std::min(kPictureWidth, rgb.cols) * rgb.rows / rgb.cols);
-  cv::Mat both(size.height, 2 * size.width, CV_8UC3), half, matte;
-  cv::cvtColor(rgb, half, cv::COLOR_RGB2BGR);
-  cv::resize(half, both.colRange(0, size.width), size, 0, 0, cv::INTER_AREA);
-  cv::resize(views.mattes[i].alpha, matte, size, 0, 0, cv::INTER_AREA);
+cv::Mat bgr_of(const capture::HalfPicture& half) {
+  std::vector<cv::Mat> planes;
+  for (const auto c : {2U, 1U, 0U}) half.planes[c].convertTo(planes.emplace_back(), CV_8U, 1.0 / capture::kHalfScale);
+  cv::Mat bgr;
+  cv::merge(planes, bgr);
+  return bgr;
+}
+
+// The picture, and its matte beside it.
+LivePicture live_picture(const recon::LiveView& view) {
+  const cv::Mat bgr = bgr_of(view.matte.picture);
+  cv::Mat alpha = cv::Mat::zeros(bgr.size(), CV_8UC1);
+  if (!view.matte.alpha.empty()) view.matte.alpha.copyTo(alpha(view.matte.box));
+  const cv::Size size(std::min(kPictureWidth, bgr.cols), std::min(kPictureWidth, bgr.cols) * bgr.rows / bgr.cols);
+  cv::Mat both(size.height, 2 * size.width, CV_8UC3), matte;
+  cv::resize(bgr, both.colRange(0, size.width), size, 0, 0, cv::INTER_AREA);
+  cv::resize(alpha, matte, size, 0, 0, cv::INTER_AREA);
   cv::cvtColor(matte, both.colRange(size.width, 2 * size.width), cv::COLOR_GRAY2BGR);
-  LivePicture picture{views.cameras[i].name, {}};
+  LivePicture picture{view.camera, {}};
   cv::imencode(".jpg", both, picture.jpeg, {cv::IMWRITE_JPEG_QUALITY, 80});
   return picture;
 }
 
 // Of cameras spread over the rig.
-std::vector<LivePicture> live_pictures(const recon::FrameViews& views) {
+std::vector<LivePicture> live_pictures(const std::vector<recon::LiveView>& views) {
   std::vector<LivePicture> pictures;
-  const auto count = std::min(kPictures, views.cameras.size());
-  for (std::size_t i = 0; i < count; ++i) pictures.push_back(live_picture(views, i * views.cameras.size() / count));
+  const auto count = std::min(kPictures, views.size());
+  for (std::size_t i = 0; i < count; ++i) pictures.push_back(live_picture(views[i * views.size() / count]));
   return pictures;
 }
 

@@ -1,10 +1,11 @@
 // Characters measured: what their motion graph finds against the simulator's truth, what its seams cost, how soon
 // commands are answered, how fast it is drawn.
-//   character_bench [--character DIR]... [--takes DIR --sim DIR]
+//   character_bench [--character DIR]... [--steer SECONDS] [--takes DIR --sim DIR]
+//   character_bench --stand-ins DIR [--person NAME] [--noise METRES]
 // --takes: reconstructed takes; --sim: what they were filmed from, NAME/truth/truth.json. One line a figure, with what
-// is asked; the baseline of drawing is the renderer of single geometry images in the same run.
+// is asked; the baseline of drawing is the same surface as an indexed mesh in the same run.
 #include <fmt/format.h>
-#include <sys/resource.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -20,8 +21,11 @@
 #include "playback/character_view.h"
 #include "playback/display/headless.h"
 #include "playback/render/geometry_image_renderer.h"
+#include "playback/render/mesh_renderer.h"
 #include "recon/motion/character.h"
 #include "recon/motion/motion_seam.h"
+#include "recon/sphere/resample.h"
+#include "tests/bench/stand_in_takes.h"
 
 namespace rotunda {
 namespace {
@@ -219,15 +223,59 @@ void measure_drawing(const fs::path& character, const recon::MotionGraph& graph)
     playback::clear(recon::Colour{24, 26, 30});
     single.draw(eye);
   });
-  single.upload(images[0]);
-  time_pictures("baseline: one geometry image, 720 x 576", 200, "", [&](int) {
+  const auto mesh = recon::remesh(images[0]);
+  playback::MeshRenderer plain;
+  plain.upload(mesh);
+  time_pictures("baseline: an indexed mesh of one frame, 720 x 576", 200, "", [&](int) {
     target.bind();
     playback::clear(recon::Colour{24, 26, 30});
-    single.draw(eye);
+    plain.draw(eye);
   });
 }
 
-void measure_character(const fs::path& character) {
+// --- long steering ------------------------------------------------------------------------------------------------
+
+long resident_kilobytes() {
+  std::ifstream statm("/proc/self/statm");
+  long size = 0, resident = 0;
+  statm >> size >> resident;
+  return resident * (sysconf(_SC_PAGESIZE) / 1024);
+}
+
+// Random commands, every picture drawn, as fast as it goes; seconds are the character's.
+void measure_steering(const fs::path& character, const recon::MotionGraph& graph, double seconds) {
+  const playback::HeadlessDisplay display;
+  playback::CharacterView view(character, graph);
+  view.renderer().load_all();
+  view.orbit() = view.orbit_for(16.0 / 9.0);
+  const playback::RenderTarget target(640, 360);
+  playback::CharacterPlayer player(graph, view.renderer().roots());
+  std::mt19937 random(3);
+  std::vector<double> times;
+  long before = 0;
+  const auto frames = static_cast<int>(seconds * graph.fps);
+  for (int i = 0; i < frames; ++i) {
+    const auto begin = Clock::now();
+    if (random() % 40 == 0) player.command({.state = graph.states[random() % graph.states.size()].name});
+    if (random() % 60 == 0) player.command({.turn = 0.5 * (static_cast<double>(random() % 7) - 3.0)});
+    if (random() % 80 == 0) player.command({.speed = 0.1 * static_cast<double>(random() % 25)});
+    player.advance(1.0 / graph.fps);
+    view.follow(player.appearance(), 1.0 / graph.fps);
+    target.bind();
+    view.draw(player.appearance(), 640, 360, {recon::Colour{24, 26, 30}, true, {}});
+    glFinish();
+    times.push_back(seconds_since(begin));
+    if (i == frames / 10) before = resident_kilobytes();
+  }
+  const double median = quantile(times, 0.5);
+  fmt::print(
+      "{:.0f} s of random steering       worst picture {:.1f} x the median, {} of {} over 3 x; memory {:+.1f} MB\n",
+      seconds, quantile(times, 1.0) / median,
+      std::count_if(times.begin(), times.end(), [&](double t) { return t > 3.0 * median; }), times.size(),
+      static_cast<double>(resident_kilobytes() - before) / 1024.0);
+}
+
+void measure_character(const fs::path& character, double steering) {
   const auto graph = recon::open_character(character);
   fmt::print("== {}\n", character.string());
   measure_seams(graph);
@@ -239,6 +287,7 @@ void measure_character(const fs::path& character) {
   }
   measure_latency(graph, roots);
   measure_drawing(character, graph);
+  if (steering > 0.0) measure_steering(character, graph, steering);
 }
 
 int run(int argc, char** argv) {
@@ -248,9 +297,18 @@ int run(int argc, char** argv) {
   app.add_option("--character", characters, "built by rotunda character build");
   auto* with_truth = app.add_option("--takes", takes, "reconstructed takes");
   app.add_option("--sim", sim, "the simulator's pictures and truth of them")->needs(with_truth);
+  double steering = 0.0;
+  app.add_option("--steer", steering, "seconds of random steering, every picture drawn");
+  fs::path stand_ins;
+  bench::StandInOptions stand_in;
+  app.add_option("--stand-ins", stand_ins, "only writes perfectly aligned takes of a simulated person there");
+  app.add_option("--person", stand_in.person, "whose")->capture_default_str();
+  app.add_option("--level", stand_in.level, "of their lattice")->capture_default_str();
+  app.add_option("--noise", stand_in.noise, "of their surfaces, metres")->capture_default_str();
   CLI11_PARSE(app, argc, argv);
+  if (!stand_ins.empty()) bench::write_stand_ins(stand_ins, stand_in);
   if (!takes.empty()) measure_strikes(takes, sim);
-  for (const auto& character : characters) measure_character(character);
+  for (const auto& character : characters) measure_character(character, steering);
   return kDone;
 }
 

@@ -162,6 +162,23 @@ struct Options {
   std::string keep, pictures, person;
 };
 
+// The worst matte of a method so far.
+struct Worst {
+  double overlap = 2.0;
+  std::string what;
+  cv::Mat picture;
+  void hear(double of, const std::string& name, const std::function<cv::Mat()>& draw) {
+    if (of < overlap) overlap = of, what = name, picture = draw();
+  }
+};
+
+void write_worst(const Options& options, const std::string& kind, const std::map<std::string, Worst>& all) {
+  if (options.pictures.empty()) return;
+  for (const auto& [name, worst] : all)
+    capture::write_png(std::filesystem::path(options.pictures) / fmt::format("{}{}, {}.png", kind, name, worst.what),
+                       worst.picture);
+}
+
 class KeyBench {
  public:
   explicit KeyBench(Options options) : options_(std::move(options)), methods_(methods(!options_.no_baselines)) {}
@@ -181,10 +198,7 @@ class KeyBench {
         "rim colours, of 255: against the performer's own {:.2f} (as they are {:.2f}), in a grey studio {:.2f} "
         "(as they are {:.2f})\n",
         rims_.own.value(), rims_.plain_own.value(), rims_.unspilt.value(), rims_.plain_unspilt.value());
-    if (!options_.pictures.empty())
-      for (const auto& [name, worst] : worst_)
-        capture::write_png(std::filesystem::path(options_.pictures) / fmt::format("{}, {}.png", name, worst.what),
-                           worst.picture);
+    write_worst(options_, "", worst_);
     for (const auto& [name, cost] : costs_) fmt::print("{:18} {:.2f} ms CPU a picture\n", name, cost.value());
   }
 
@@ -212,18 +226,10 @@ class KeyBench {
       const auto found = matte_score(mattes[i].alpha, view.truth);
       totals_[person][method].add(found);
       if (method == "key, plate") add_rim_errors(view, given.pictures[i], mattes[i], rims_);
-      auto& worst = worst_[method + ", " + person];
-      if (found.overlap >= worst.overlap) continue;
-      worst = {found.overlap, fmt::format("{} {}", what, view.camera.name),
-               side_by_side(given.pictures[i], mattes[i].alpha, view.truth)};
+      worst_[method + ", " + person].hear(found.overlap, fmt::format("{} {}", what, view.camera.name),
+                                          [&] { return side_by_side(given.pictures[i], mattes[i].alpha, view.truth); });
     }
   }
-
-  struct Worst {
-    double overlap = 2.0;
-    std::string what;
-    cv::Mat picture;
-  };
 
   Options options_;
   NamedMethods methods_;
@@ -235,15 +241,17 @@ class KeyBench {
 
 // Without a picture of the empty studio: the plate learnt from the take whose light drifts, beside the given plate and
 // the surface fitted to each picture alone.
-void print_learnt_plates(const std::vector<KeyStudy>& studies, const std::string& keep, const std::string& person) {
+void print_learnt_plates(const std::vector<KeyStudy>& studies, const Options& options) {
   constexpr int kTakePictures = 16;
   std::map<std::string, MatteTotals> totals;
+  std::map<std::string, Worst> worst;
   std::string last;
   for (const auto& study : studies) {
-    if (study.person == last || (!person.empty() && study.person != person)) continue;  // one act a person
+    if (study.person == last || (!options.person.empty() && study.person != options.person))
+      continue;  // one act a person
     last = study.person;
-    const auto rendered = render(study, keep);
-    const auto take = render_drifting_take(study, kTakePictures, keep);
+    const auto rendered = render(study, options.keep);
+    const auto take = render_drifting_take(study, kTakePictures, options.keep);
     for (std::size_t i = 0; i < study.cameras.size(); ++i) {
       const auto plate = capture::learn_plate(take[i], capture::Backdrop::blue).picture;
       const cv::Mat stage = capture::stage_mask(study.cameras[i], simulator::kStageVolume);
@@ -251,18 +259,22 @@ void print_learnt_plates(const std::vector<KeyStudy>& studies, const std::string
         const auto& view = moment.views[i];
         const cv::Mat rgb = capture::to_rgb(view.image);
         const auto add = [&](const char* name, const Matte& matte) {
-          totals[name].add(matte_score(matte.alpha, view.truth));
+          const auto found = matte_score(matte.alpha, view.truth);
+          totals[name].add(found);
+          worst[name].hear(found.overlap, fmt::format("{}-{} {}", study.person, study.act, view.camera.name),
+                           [&] { return side_by_side(rgb, matte.alpha, view.truth); });
         };
-        const capture::ChromaKeyOptions options{.backdrop = {}, .stage = stage};
-        add("given plate", capture::chroma_key(rgb, options, rendered.plates[i]));
-        add("learnt plate", capture::chroma_key(rgb, options, plate));
-        add("no plate", capture::chroma_key(rgb, options));
+        const capture::ChromaKeyOptions key{.backdrop = {}, .stage = stage};
+        add("given plate", capture::chroma_key(rgb, key, rendered.plates[i]));
+        add("learnt plate", capture::chroma_key(rgb, key, plate));
+        add("no plate", capture::chroma_key(rgb, key));
         add("live, given plate", capture::LiveKey(rendered.plates[i], view.image.format, {{}, stage})(view.image));
         add("live, learnt plate", capture::LiveKey(plate, view.image.format, {{}, stage})(view.image));
       }
     }
   }
   for (const auto& [name, sums] : totals) print("take", name, sums);
+  write_worst(options, "take", worst);
 }
 
 // Ten cameras' images of one moment, as the live way has them.
@@ -303,7 +315,7 @@ int run(int argc, char** argv) {
     if (!options.pictures.empty()) std::filesystem::create_directories(options.pictures);
     const auto studies = options.development ? development_studies() : held_out_studies();
     KeyBench(options).run(studies);
-    print_learnt_plates(studies, options.keep, options.person);
+    print_learnt_plates(studies, options);
     print_live_speed(studies.front(), options.keep);
     return kDone;
   } catch (...) {

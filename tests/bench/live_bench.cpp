@@ -1,5 +1,6 @@
 // What the live way costs a frame set, stage by stage, on one thread and on two, and what the offline surface of the
-// same mattes with its colours costs on one: live_bench TAKE [CELL_MM [FRAMES]].
+// same mattes with its colours costs on one: live_bench TAKE [CELL_MM [FRAMES [TRUTH]]]. With the simulator's truth
+// folder also how near live surfaces come to it, beside the hull of the true mattes in cells of 10 mm.
 // Prints medians; CPU time is of the whole process.
 #include <fmt/format.h>
 #include <tbb/task_arena.h>
@@ -10,10 +11,17 @@
 #include <ctime>
 #include <vector>
 
+#include "capture/calibration_file.h"
+#include "capture/picture.h"
 #include "capture/take/take_reader.h"
+#include "recon/hull/genus_cut.h"
+#include "recon/hull/marching_cubes.h"
+#include "recon/hull/visual_hull.h"
 #include "recon/live_reconstruction.h"
+#include "recon/mesh/mesh_file.h"
 #include "recon/take_plates.h"
 #include "recon/take_studio.h"
+#include "tests/bench/surface_score.h"
 
 namespace {
 
@@ -61,11 +69,53 @@ void measure_offline(const capture::FrameSet& set, const recon::StudioViews& stu
              1e3 * static_cast<double>(std::clock() - cpu) / CLOCKS_PER_SEC);
 }
 
+// The signed field of the true mattes, its largest piece.
+recon::TriangleMesh ideal_hull(const std::filesystem::path& truth, std::size_t frame,
+                               const Eigen::AlignedBox3d& bounds) {
+  const auto calibration = capture::read_calibration_file(truth / "calibration.yaml");
+  std::vector<capture::Matte> mattes;
+  for (const auto& camera : calibration.cameras)
+    mattes.push_back({capture::read_grey(truth / "mattes" / camera.name / capture::frame_file_name(frame, "png"))});
+  auto grid = recon::visual_hull(calibration.cameras, mattes, {.bounds = bounds});
+  recon::cut_to_genus_zero(grid);
+  return recon::marching_cubes(grid);
+}
+
+void score(const capture::TakeReader& take, std::size_t frames, const recon::StudioViews& studio,
+           const recon::LiveOptions& options, const std::filesystem::path& truth) {
+  bench::SurfaceScore live{}, ideal{}, slow{};
+  recon::StageClock clock;
+  for (std::size_t i = 0; i < frames; ++i) {
+    const auto frame = i * take.frame_set_count() / frames;
+    const auto body = recon::read_ply(truth / "meshes" / capture::frame_file_name(frame, "ply"));
+    const bench::SurfaceJudge judge(body);
+    const auto add = [&](bench::SurfaceScore& sum, const recon::TriangleMesh& mesh) {
+      const auto one = judge.score(mesh);
+      sum.mean += one.mean, sum.p95 += one.p95, sum.within_10mm += one.within_10mm;
+    };
+    add(live, recon::reconstruct_live(take.read(frame), studio, options, clock).mesh);
+    const auto views = recon::key_frame(take.read(frame), studio, {}, clock);
+    add(slow,
+        recon::reconstruct_surface(views.cameras, views.mattes, recon::live_surface({.bounds = options.bounds})).mesh);
+    add(ideal, ideal_hull(truth, frame, *options.bounds));
+  }
+  const auto print = [&](const char* name, const bench::SurfaceScore& sum) {
+    const auto n = static_cast<double>(frames);
+    fmt::print("{:<28} mean {:.2f} mm   p95 {:.2f} mm   truth within 10 mm {:.3f}\n", name, sum.mean / n, sum.p95 / n,
+               sum.within_10mm / n);
+  };
+  print("baseline: ideal hull, 10 mm", ideal);
+  print("baseline: offline, live", slow);
+  print("live", live);
+  fmt::print("live / ideal hull: {:.2f} / {:.2f}   (must: 0.85 / 0.85)\n", live.mean / ideal.mean,
+             live.p95 / ideal.p95);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   if (argc < 2) {
-    fmt::print(stderr, "usage: live_bench TAKE [CELL_MM [FRAMES]]\n");
+    fmt::print(stderr, "usage: live_bench TAKE [CELL_MM [FRAMES [TRUTH]]]\n");
     return 2;
   }
   const capture::TakeReader take(argv[1]);
@@ -79,5 +129,8 @@ int main(int argc, char** argv) {
   std::vector<capture::FrameSet> sets;
   for (std::size_t i = 0; i < count; ++i) sets.push_back(take.read(i * take.frame_set_count() / count));
   for (const int threads : {1, 2}) measure(sets, studio.views, options, threads);
-  measure_offline(sets.front(), studio.views, options);
+  if (argc > 4)
+    score(take, std::min<std::size_t>(count, 5), studio.views, options, argv[4]);
+  else
+    measure_offline(sets.front(), studio.views, options);
 }

@@ -34,14 +34,18 @@ recon::SurfaceOptions bare_hull() {
 }
 
 std::vector<Rung> rungs() {
-  auto paper = options_of(), rims = options_of();
+  auto paper = options_of(), rims = options_of(), trusting = options_of();
   paper.paper = true;
   rims.match_pictures = false;
+  trusting.put_back_lost = false;
   return {{"ideal hull", "1 / 1", true, false, bare_hull()},
           {"our hull", "-", false, false, bare_hull()},
           {"live", "<= 0.85 / 0.85", false, false, recon::live_surface(options_of())},
           {"rims alone", "-", false, false, rims},
           {"full", "<= 0.68 / 0.70", false, true, options_of()},
+          {"full, nothing put back", "-", false, true, trusting},
+          {"rims alone, all true", "0.61 / 0.60", true, false, rims},
+          {"full, all true", "0.55 / 0.56", true, true, options_of()},
           {"paper", "-", false, true, paper}};
 }
 
@@ -60,15 +64,16 @@ class Ladder {
  public:
   void add(const SurfaceMoment& moment) {
     const SurfaceJudge judge(moment.body);
-    const auto own = recon::silhouette_views(moment.cameras, moment.mattes);
-    const auto ideal_views = recon::silhouette_views(moment.cameras, moment.truth);
+    const auto own_views = recon::silhouette_views(moment.cameras, moment.mattes);
+    const auto true_views = recon::silhouette_views(moment.cameras, moment.truth);
     SurfaceScore ideal, hull;
     fmt::print("{:<30}", moment.name);
     for (std::size_t r = 0; r < rungs_.size(); ++r) {
       const auto& rung = rungs_[r];
       const double before = cpu_ms();
-      const auto result = recon::reconstruct_surface(
-          rung.true_mattes ? ideal_views : own, rung.pictures ? moment.pictures : std::vector<cv::Mat>(), rung.options);
+      const auto result =
+          recon::reconstruct_surface(rung.true_mattes ? true_views : own_views,
+                                     rung.pictures ? moment.pictures : std::vector<cv::Mat>(), rung.options);
       sums_[r].cpu_ms += cpu_ms() - before;
       if (!result.failure.empty()) {
         ++sums_[r].failed;
@@ -93,12 +98,12 @@ class Ladder {
   }
 
   void print_means() const {
-    fmt::print("{:<12} {:>16} {:>10} {:>10} {:>10} {:>10}  {}\n", "mean", "to the ideal", "in 10 mm", "outline",
+    fmt::print("{:<24} {:>16} {:>10} {:>10} {:>10} {:>10}  {}\n", "mean", "to the ideal", "in 10 mm", "outline",
                "cpu ms", "not worse", "asked");
     for (std::size_t r = 0; r < rungs_.size(); ++r) {
       const auto& sum = sums_[r];
       const double count = moments_ - sum.failed;
-      fmt::print("{:<12} {:>7.3f} / {:>6.3f} {:>10.3f} {:>10.4f} {:>10.0f} {:>6}/{:<3}  {}\n", rungs_[r].name,
+      fmt::print("{:<24} {:>7.3f} / {:>6.3f} {:>10.3f} {:>10.4f} {:>10.0f} {:>6}/{:<3}  {}\n", rungs_[r].name,
                  sum.mean / count, sum.p95 / count, sum.within / count, sum.overlap / count, sum.cpu_ms / count,
                  moments_ - sum.worse_than_hull - sum.failed, moments_, rungs_[r].asked);
     }

@@ -137,7 +137,8 @@ class ViewBench {
   }
 
   TriangleMesh surface_of(const FrameViews& views) {
-    auto result = recon::reconstruct_surface(views.cameras, views.mattes, {.bounds = simulator::kStageVolume});
+    auto result = recon::reconstruct_surface(recon::silhouette_views(views.cameras, views.mattes), views.pictures,
+                                             {.bounds = simulator::kStageVolume});
     if (!result.failure.empty()) throw InvalidInput(what_ + ": " + result.failure);
     recon::colour_vertices(result.mesh, views, clock_);
     return std::move(result.mesh);

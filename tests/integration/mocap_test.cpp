@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <fstream>
+#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <set>
 
@@ -58,6 +59,37 @@ class Mocap : public HouseTest {
   std::vector<capture::CameraModel> cameras_;
   recon::BodyTemplate body_;
 };
+
+TEST_F(Mocap, PutsTheTakesPicturesOnTheMovedScan) {
+  ASSERT_EQ(import({}).exit_code, 0);
+  const auto scan = (folder() / "scan.ply").string(), video = (folder() / "video").string();
+  ASSERT_EQ(run("rotunda-sim", {"--scan", "alex", "--triangles", "6000", "-o", scan}).exit_code, 0);
+  const auto outcome = rotunda({"animate", "--motion", "walk", "--frames", "1:3", "--scan", scan, "--view-dependent",
+                                "--beside-template", "-o", video});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_FALSE(fs::exists(folder() / "video/frame000002.png"));
+  const auto picture = cv::imread((folder() / "video/frame000001.png").string(), cv::IMREAD_UNCHANGED);
+  ASSERT_EQ(picture.size(), cv::Size(1440, 720));
+  for (const int left : {0, 720}) {  // scan, template
+    cv::Mat seen, performer;
+    cv::extractChannel(picture.colRange(left, left + 720), seen, 3);
+    cv::inRange(picture.colRange(left, left + 720), cv::Scalar(125, 155, 185, 255), cv::Scalar(155, 185, 215, 255),
+                performer);
+    EXPECT_GT(cv::countNonZero(seen), 10'000);
+    EXPECT_GT(cv::countNonZero(performer), 0.9 * cv::countNonZero(seen));  // the pictures' colour, not the scan's
+  }
+}
+
+TEST_F(Mocap, SaysWhatA3dVideoNeeds) {
+  const auto scan = (folder() / "scan.ply").string(), motion = (folder() / "walk.bvh").string();
+  for (const auto& file : {scan, motion}) std::ofstream(file) << "not looked at\n";
+  const auto bvh = rotunda({"animate", "--motion", motion, "--scan", scan, "--view-dependent", "-o", "x.mp4"});
+  EXPECT_EQ(bvh.exit_code, 3);
+  EXPECT_THAT(bvh.err, HasSubstr("give the take as --motion"));
+  const auto glb = rotunda({"animate", "--motion", "walk", "--scan", scan, "--view-dependent", "-o", "x.glb"});
+  EXPECT_EQ(glb.exit_code, 3);
+  EXPECT_THAT(glb.err, HasSubstr("a 3D video is a .mp4"));
+}
 
 TEST_F(Mocap, FollowsAWalkAndTellsTheFrameWithoutAnybody) {
   ASSERT_EQ(import({4}).exit_code, 0);

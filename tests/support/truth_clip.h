@@ -45,9 +45,9 @@ inline std::vector<recon::Colour> colours_at(const recon::TriangleMesh& mesh,
 inline std::vector<recon::GeometryImage> truth_clip(const simulator::Performance& performance,
                                                     const TruthLattice& lattice, int first, int end) {
   std::vector<recon::GeometryImage> images;
+  const auto samples = recon::sample_lattice(performance.figures().front().bind, lattice.map, lattice.directions);
   for (int frame = first; frame < end; ++frame) {
     const auto mesh = performance.surfaces_at(simulator::act_seconds(frame % performance.frames())).front();
-    const auto samples = recon::sample_lattice(mesh, lattice.map, lattice.directions);
     recon::GeometryImage image;
     image.level = image.colour_level = lattice.level;
     for (const auto& sample : samples) {

@@ -120,6 +120,15 @@ TEST(CharacterPlayer, TurnsAboutTheFootThatStandsAndOnlyWhileItGoes) {
   EXPECT_NEAR(player.appearance().heading, std::numbers::pi / 2 + 0.3, 1e-6);
 }
 
+TEST(CharacterPlayer, GoesTheWayAskedForByTheShorterTurn) {
+  auto player = ball();
+  player.command({.heading = 1.5 * std::numbers::pi});  // a quarter to the right
+  EXPECT_NEAR(player.aim(), -0.5 * std::numbers::pi, 1e-9);
+  player.command({.heading = 0.5, .speed = 1.0});  // the last word counts
+  for (int i = 0; i < 100; ++i) player.advance(kFrame);
+  EXPECT_NEAR(player.appearance().heading, 0.5, 1e-9);
+}
+
 TEST(CharacterPlayer, PlaysFasterAndChangesStateForASpeed) {
   auto player = ball();
   player.command({.speed = 1.2});
@@ -150,6 +159,89 @@ TEST(CharacterPlayer, StandsATenMinuteWalkOfRandomCommands) {
   }
 }
 
+// Two gaits of one person: a stride of 26 frames at 1 m/s, one of 18 at 2 m/s, of other phases.
+recon::MotionGraph two_gaits() {
+  using recon::Join, recon::Side;
+  recon::MotionGraph graph{.name = "gaits", .fps = 25.0, .start = "walk"};
+  graph.clips = {{.name = "walk", .frames = 40, .speed = 1.0, .strikes = {{13, Side::right}, {26, Side::left}}},
+                 {.name = "jog", .frames = 40, .speed = 2.0, .strikes = {{10, Side::left}, {19, Side::right}}}};
+  graph.states = {{"walk", "walk", Join{.leave = 30, .enter = 4, .pose = {1.04, 0.0, 0.0}}},
+                  {"jog", "jog", Join{.leave = 24, .enter = 6, .pose = {1.44, 0.0, 0.0}}}};
+  graph.transitions = {{.name = "walk-jog",
+                        .from = "walk",
+                        .to = "jog",
+                        .leaves = {Join{.leave = 14, .enter = 20, .pose = {-1.04, 0.0, 0.0}}}}};
+  return graph;
+}
+CharacterPlayer goer() {
+  const auto graph = two_gaits();
+  RootPaths roots;
+  for (const auto& clip : graph.clips) {
+    roots.emplace_back();
+    for (int frame = 0; frame < clip.frames; ++frame) roots.back().emplace_back(frame * clip.speed / 25.0, 0.0);
+  }
+  return CharacterPlayer(graph, roots);
+}
+
+TEST(StridePhase, IsToldByHeelStrikes) {
+  const auto graph = two_gaits();
+  const auto walk = stride_phase(graph, graph.states[0]);
+  ASSERT_TRUE(walk);
+  EXPECT_NEAR(walk->phase_at(26.0), 0.0, 1e-12);
+  EXPECT_NEAR(walk->phase_at(13.0), 0.5, 1e-12);
+  EXPECT_NEAR(walk->phase_at(13.0 + 26.0), 0.5, 1e-12);  // a stride later
+  EXPECT_NEAR(walk->frame_at(0.75), 19.5, 1e-12);
+  for (double frame = 4.0; frame < 30.0; frame += 0.7) EXPECT_NEAR(walk->frame_at(walk->phase_at(frame)), frame, 1e-9);
+  EXPECT_FALSE(stride_phase(tests::ball_graph(), tests::ball_graph().states[1]));  // a ball has no heels
+}
+
+TEST(StridePhase, BlendsLengthAndTimeOfTheStride) {
+  const StridePace slow{1.04, 1.0}, fast{0.72, 2.0};
+  const double share = share_for(1.4, slow, fast);
+  const double length = (1.0 - share) * 1.04 * 1.0 + share * 0.72 * 2.0, time = (1.0 - share) * 1.04 + share * 0.72;
+  EXPECT_NEAR(length / time, 1.4, 1e-12);
+  EXPECT_EQ(share_for(0.5, slow, fast), 0.0);
+  EXPECT_EQ(share_for(3.0, slow, fast), 1.0);
+}
+
+TEST(CharacterPlayer, BlendsTwoGaitsToGoAtASpeedBetweenTheirs) {
+  auto player = goer();
+  player.command({.speed = 1.4});
+  const auto jog = stride_phase(player.graph(), player.graph().states[1]);
+  const auto walk = stride_phase(player.graph(), player.graph().states[0]);
+  double before = player.appearance().place.x(), begun = 0.0;
+  for (int i = 0; i < 300; ++i) {
+    player.advance(kFrame);
+    const auto seen = player.appearance();
+    const double x = seen.place.x(), step = x - before;
+    EXPECT_GT(step, 0.9 * 1.0 * kFrame);
+    EXPECT_LT(step, 1.1 * 1.4 * kFrame);  // no jump, at no seam of either
+    EXPECT_NEAR(seen.place.y(), 0.0, 1e-9);
+    EXPECT_NEAR(total_weight(seen), 1.0, 1e-9);
+    before = x;
+    if (i == 49) begun = x;
+    if (i < 49) continue;
+    const auto& first = seen.layers.front();  // of the other gait
+    EXPECT_EQ(first.clip, 1U);
+    const double apart = std::abs(jog->phase_at(first.frame) - walk->phase_at(seen.layers.back().frame));
+    EXPECT_LT(std::min(apart, 1.0 - apart), 1e-6);
+  }
+  EXPECT_NEAR((before - begun) / (250 * kFrame), 1.4, 0.01);
+  EXPECT_EQ(player.doing(), "walk");
+}
+
+TEST(CharacterPlayer, LeavesABlendOfGaitsForAState) {
+  auto player = goer();
+  player.command({.speed = 1.4});
+  for (int i = 0; i < 50; ++i) player.advance(kFrame);
+  EXPECT_GT(player.companion_share(), 0.2);
+  player.command({.state = "jog"});
+  int frames = 0;
+  for (; player.doing() != "jog" && frames < 100; ++frames) player.advance(kFrame);
+  EXPECT_LT(frames, 50);  // 10 until the other gait is gone, at most a stride to the seam
+  EXPECT_EQ(player.companion_share(), 0.0);
+}
+
 class BallFolder : public testing::Test {
  protected:
   BallFolder() : folder_(fs::temp_directory_path() / ("rotunda-ball-" + std::to_string(::getpid()))) {
@@ -173,7 +265,10 @@ class BallFolder : public testing::Test {
 };
 
 TEST_F(BallFolder, ReadsScriptsAndTellsTheirMistakes) {
-  EXPECT_EQ(problems_of("- {at: 1, state: roll}\n- {at: 2.5, turn_deg: 40}\n- {at: 3, speed: 1.6}\n"), "");
+  EXPECT_EQ(
+      problems_of(
+          "- {at: 1, state: roll}\n- {at: 2.5, turn_deg: 40}\n- {at: 2.6, heading_deg: 90}\n- {at: 3, speed: 1.6}\n"),
+      "");
   EXPECT_THAT(problems_of("- {at: 1, state: rol}\n"), HasSubstr("script.yaml:1:"));
   EXPECT_THAT(problems_of("- {at: 1, state: rol}\n"), HasSubstr("hop, rest, roll"));
   EXPECT_THAT(problems_of("- {at: 2, state: roll}\n- {at: 1, state: rest}\n"), HasSubstr(":2:"));

@@ -8,6 +8,7 @@
 
 #include "config/errors.h"
 #include "recon/motion/character.h"
+#include "recon/motion/foot_track.h"
 #include "recon/motion/graph_builder.h"
 #include "recon/motion/graph_file.h"
 #include "recon/motion/motion_seam.h"
@@ -17,6 +18,7 @@ namespace rotunda::recon {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::Contains;
 using testing::HasSubstr;
 
 constexpr int kLevel = 6;
@@ -77,6 +79,37 @@ TEST(GaitEvents, FindsTheHeelStrikesOfWhoWalksOnTheSpot) {
   EXPECT_NEAR(events.floor_velocity.x(), -1.16, 0.05);  // its belt's speed: 1.21 m stride in 1.04 s
 }
 
+TEST(GaitEvents, FindsTheHeelStrikesOfARunnerThroughTheFlight) {
+  const auto events = gait_events(shape_of("jog", 40));
+  // The simulator's strikes: left at 0, 17, 34, right half way between, at 8.5 and 25.5.
+  ASSERT_EQ(events.strikes.size(), 4U);
+  const double frames[] = {8.5, 17.0, 25.5, 34.0};
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_NEAR(events.strikes[i].frame, frames[i], 1.0);
+    EXPECT_EQ(events.strikes[i].side, i % 2 == 0 ? Side::right : Side::left);
+  }
+}
+
+// A heel's tip is the first that reconstruction loses: shoes are taken off by three centimetres at their hind ends.
+TEST(GaitEvents, FindsTheHeelStrikesOfHeelsThatWereWornOff) {
+  auto clip = shape_of("walk", 58);
+  const auto whole = track_feet(clip);
+  for (std::size_t i = 0; i < clip.frames.size(); ++i)
+    for (auto& p : clip.frames[i])
+      for (const auto& feet : whole.feet) {
+        const auto& foot = feet[i];
+        const double behind = foot.place.x() - static_cast<double>(p.x());
+        const bool of_this_foot =
+            std::abs(static_cast<double>(p.y()) - foot.place.y()) < 0.08 && std::abs(behind) < 0.2;
+        const double worn = 0.06 * std::clamp(0.5 + behind / 0.2, 0.0, 1.0) + foot.height;
+        if (foot.seen && of_this_foot) p.z() = std::max(p.z(), static_cast<float>(whole.floor_height + worn));
+      }
+  const auto events = gait_events(clip);
+  ASSERT_EQ(events.strikes.size(), 4U);
+  const int frames[] = {13, 26, 39, 52};
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(events.strikes[i].frame, frames[i], 1);
+}
+
 TEST(GaitEvents, LeavesWhoStandsStanding) {
   const auto events = gait_events(shape_of("idle", 30));
   EXPECT_TRUE(events.strikes.empty());
@@ -116,10 +149,7 @@ TEST(MotionSeam, ClosesAWalksCycleAfterOneStrideWithTheStandingFootHeld) {
   ASSERT_TRUE(found.loop) << found.failure;
   EXPECT_EQ(found.loop->leave - found.loop->enter, 26);
   EXPECT_NEAR(found.loop->pose.x, 1.04 * clip.events.speed, 0.02);  // the way of a stride
-  double fastest = 0.0;                                             // of the clip itself: a swinging foot's
-  for (std::size_t i = 0; i + 1 < clip.shape.frames.size(); ++i)
-    fastest = std::max(fastest, largest_step(clip.shape.frames[i], clip.shape.frames[i + 1]));
-  EXPECT_LE(found.loop->price.step_ratio, 1.05 * fastest / clip.median_step);
+  EXPECT_LE(found.loop->price.step_ratio, 1.5);                     // closed where the stride itself is slow
   EXPECT_LE(found.loop->price.slide_mm, 10.0);
 }
 
@@ -161,6 +191,14 @@ TEST_F(CharacterFolder, BuildsOpensAndMendsACharacter) {
   write_graph(graph_of(folder_ / "character"), changed);
   const auto mended = mend_character(folder_ / "character");
   EXPECT_GT(mended.states[0].loop.price.error_mm, opened.states[0].loop.price.error_mm);
+}
+
+// The simulator plays an act again and again: a take goes on behind its end with a jump back to the beginning.
+TEST_F(CharacterFolder, CutsATakeWhereItJumps) {
+  const auto report =
+      build_character({take("walk", 58), take("idle", 40), take("idle-walk", 62)}, folder_ / "character");
+  EXPECT_EQ(report.graph.clip("idle-walk").frames, 50);
+  EXPECT_THAT(report.told, Contains(HasSubstr("0:50")));
 }
 
 TEST_F(CharacterFolder, RefusesWhatCannotBecomeACharacter) {

@@ -212,6 +212,25 @@ TEST_F(ScanAnimationTest, FindsTheBodyInTheScanAndMovesItAsItsSegmentsWould) {
   EXPECT_LT(std::sqrt(square / static_cast<double>(n)), 0.04);  // joints found within 30 mm, a reach of two of them
 }
 
+// A scan whose legs are another's still has its joints where the performer's were.
+TEST_F(ScanAnimationTest, StandsInTheStudioWhereThePerformerDid) {
+  CapturedMotion captured{.body = template_of_height(1.62), .frames = {}};
+  auto pose = markers_.fit->pose;
+  pose.root = {0.7, -0.4, 0.83};
+  pose.rotation[index(BodyJoint::pelvis)] = Eigen::AngleAxisd(2.0, Eigen::Vector3d::UnitZ());
+  captured.frames.push_back({.fit = {.pose = pose}});
+  const ScanAnimation animation(scan_, markers_);
+  const auto handles = animation.handle_poses_in_studio(captured);
+  ASSERT_EQ(handles.size(), kBodySegments);
+  const auto at_scan = joint_positions(animation.fit().body.skeleton, animation.fit().pose);
+  const auto at_performer = joint_positions(captured.body.skeleton, pose);
+  for (std::size_t s = 0; s < kBodySegments; ++s) {
+    const auto joint = index(joint_of_segment(s));
+    const Vector3f carried = handles[s].rotation * at_scan[joint].cast<float>() + handles[s].translation;
+    EXPECT_LT((carried - at_performer[joint].cast<float>()).norm(), 1e-4F) << segment_name(s);
+  }
+}
+
 TEST_F(ScanAnimationTest, KeepsMarkersInAFileForPeople) {
   write_markers(folder_ / "markers.yaml", markers_, "scan.ply");
   const auto read = read_markers(folder_ / "markers.yaml");

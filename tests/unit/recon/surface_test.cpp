@@ -180,7 +180,7 @@ TEST(Surface, TellsOfCellsThatDoNotFitIntoTheVolume) {
 TEST(Surface, TellsOfAnEmptyHull) {
   const auto cameras = small_rig();
   auto mattes = tests::mattes_of(tests::ball({0.4, 0, 1}, 0.1), cameras);
-  mattes[2] = tests::matte_of(tests::ball({-0.4, 0, 1.4}, 0.1), cameras[2]);
+  for (std::size_t i = 0; i < 3; ++i) mattes[i] = tests::matte_of(tests::ball({-0.4, 0, 1.4}, 0.1), cameras[i]);
   EXPECT_NE(reconstruct_surface(cameras, mattes, stage()).failure.find("empty hull"), std::string::npos);
 }
 

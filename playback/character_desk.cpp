@@ -1,0 +1,189 @@
+#include "playback/character_desk.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace rotunda::playback {
+namespace {
+
+constexpr double kTurn = std::numbers::pi / 12.0;  // of the character, a key press
+constexpr double kFaster = 0.2;                    // m/s a key press
+constexpr double kSlowMotion = 0.25;
+constexpr double kZoom = 1.08;             // a key press
+constexpr double kTurnPerHeight = 3.0;     // radians for a drag over the window's height
+constexpr std::size_t kRemembered = 1500;  // pictures: 25 seconds at sixty a second
+constexpr double kDead = 0.15;             // of a stick's way: none rests quite in the middle
+constexpr double kStickTurn = 2.0;         // radians a second
+constexpr double kStickZoom = 2.0;         // times a second
+constexpr double kSameSpeed = 0.15;        // m/s
+constexpr double kSameWay = 0.05;          // radians
+
+std::vector<std::string> choices_of(const recon::MotionGraph& graph) {
+  std::vector<std::string> choices;
+  for (const auto& state : graph.states) choices.push_back(state.name);
+  for (const auto& transition : graph.transitions)
+    if (transition.from == transition.to) choices.push_back(transition.name);
+  return choices;
+}
+
+}  // namespace
+
+CharacterDesk::CharacterDesk(const recon::MotionGraph& graph, const Orbit& front)
+    : choices_(choices_of(graph)), front_(front) {
+  for (const auto& state : graph.states) fastest_ = std::max(fastest_, graph.clip(state.clip).speed);
+}
+
+void CharacterDesk::choose(std::size_t choice, CharacterPlayer& player) {
+  if (choice >= choices_.size()) return;
+  player.command({.state = choices_[choice]});
+  speed_ = 0.0;
+}
+
+void CharacterDesk::change_speed(CharacterPlayer& player, double change) {
+  const auto& graph = player.graph();
+  if (speed_ == 0.0) speed_ = graph.clip(graph.state(player.wanted()).clip).speed;
+  speed_ = std::clamp(speed_ + change, 0.0, 1.5 * fastest_);
+  player.command({.speed = speed_});
+}
+
+// Forwards through what was seen already, then on by a frame.
+void CharacterDesk::step(CharacterPlayer& player, int pictures) {
+  frozen_ = true;
+  if (pictures < 0) {
+    back_ = std::min(back_ + 1, seen_.empty() ? 0 : seen_.size() - 1);
+  } else if (back_ > 0) {
+    --back_;
+  } else {
+    player.advance(1.0 / player.graph().fps);
+    seen_.push_back(player.appearance());
+  }
+}
+
+void CharacterDesk::press(Key key, CharacterPlayer& player, Orbit& orbit) {
+  switch (key) {
+    case Key::left:
+      return player.command({.turn = kTurn});
+    case Key::right:
+      return player.command({.turn = -kTurn});
+    case Key::up:
+      return change_speed(player, kFaster);
+    case Key::down:
+      return change_speed(player, -kFaster);
+    case Key::plus:
+      return orbit.zoom(kZoom);
+    case Key::minus:
+      return orbit.zoom(1.0 / kZoom);
+    case Key::next:
+      return step(player, 1);
+    case Key::previous:
+      if (frozen_) return step(player, -1);
+      slow_ = !slow_;
+      return;
+    case Key::space:
+      frozen_ = !frozen_;
+      return;
+    case Key::home: {
+      const auto target = orbit.target;
+      orbit = front_;
+      orbit.target.head<2>() = target.head<2>();
+      follows_ = home_ = true;
+      return;
+    }
+    case Key::grey:
+      draw_.shading = draw_.shading == Shading::grey ? Shading::colour : Shading::grey;
+      return;
+    case Key::map:
+      map_ = !map_;
+      return;
+    case Key::follow:
+      follows_ = !follows_;
+      return;
+    case Key::help:
+      help_ = !help_;
+      return;
+    case Key::quit:
+      ended_ = true;
+      return;
+  }
+}
+
+void CharacterDesk::press(Button button, CharacterPlayer& player) {
+  switch (button) {
+    case Button::a:
+    case Button::b:
+    case Button::x:
+    case Button::y:
+      return choose(static_cast<std::size_t>(button), player);
+    case Button::start:
+      frozen_ = !frozen_;
+      return;
+    case Button::back:
+      help_ = !help_;
+      return;
+  }
+}
+
+// The left stick away from the hand is away from the eye. Let go, it asks for standing once.
+void CharacterDesk::push_sticks(const Gamepad& pad, CharacterPlayer& player, Orbit& orbit, double seconds) {
+  const double push = std::hypot(pad.left_right, pad.left_up);
+  const double speed = push < kDead ? 0.0 : std::min(1.0, push) * fastest_;
+  if (std::abs(speed - pushed_) > kSameSpeed || (speed == 0.0 && pushed_ != 0.0)) {
+    player.command({.speed = speed});
+    pushed_ = speed_ = speed;
+  }
+  if (speed > 0.0) {
+    const double away = orbit.azimuth + std::numbers::pi, to_the_left = std::atan2(-pad.left_right, pad.left_up);
+    if (std::abs(std::remainder(away + to_the_left - player.aim(), 2.0 * std::numbers::pi)) > kSameWay)
+      player.command({.heading = away + to_the_left});
+  }
+  const auto beyond = [](double push_of_axis) { return std::abs(push_of_axis) < kDead ? 0.0 : push_of_axis; };
+  orbit.turn(-kStickTurn * seconds * beyond(pad.right_right), kStickTurn * seconds * beyond(pad.right_up));
+  orbit.zoom(std::pow(kStickZoom, seconds * (beyond(pad.closer) - beyond(pad.farther))));
+}
+
+void CharacterDesk::apply(const WindowInput& input, CharacterPlayer& player, Orbit& orbit, double seconds) {
+  for (const Key key : input.keys) press(key, player, orbit);
+  for (const int digit : input.digits) choose(static_cast<std::size_t>(digit - 1), player);
+  for (const Button button : input.buttons) press(button, player);
+  if (input.gamepad) push_sticks(*input.gamepad, player, orbit, seconds);
+  orbit.turn(-kTurnPerHeight * input.drag_x, kTurnPerHeight * input.drag_y);
+  if (input.scroll != 0.0) orbit.zoom(std::pow(1.1, input.scroll));
+  shift_ += Eigen::Vector2d(input.shift_x, input.shift_y);
+}
+
+const Appearance& CharacterDesk::go_on(CharacterPlayer& player, double seconds) {
+  if (!frozen_) {
+    back_ = 0;
+    player.advance(seconds * (slow_ ? kSlowMotion : 1.0));
+    seen_.push_back(player.appearance());
+  }
+  if (seen_.empty()) seen_.push_back(player.appearance());
+  while (seen_.size() > kRemembered) seen_.pop_front();
+  return seen_[seen_.size() - 1 - back_];
+}
+
+Eigen::Vector2d CharacterDesk::take_shift() {
+  return std::exchange(shift_, Eigen::Vector2d::Zero());
+}
+
+std::vector<std::string> CharacterDesk::lines(const CharacterPlayer& player, double pictures_a_second) const {
+  std::string first = player.doing();
+  if (player.doing() != player.wanted()) first += " > " + player.wanted();
+  if (frozen_) first += back_ > 0 ? fmt::format("   frozen, {} back", back_) : "   frozen";
+  std::vector<std::string> lines{fmt::format("{}   {:.0f} pictures/s", first, pictures_a_second)};
+  if (!help_) return lines;
+  for (std::size_t i = 0; i < choices_.size() && i < 9; ++i) lines.push_back(fmt::format("{}  {}", i + 1, choices_[i]));
+  for (const char* line :
+       {"left, right  turn    up, down  faster, slower", "mouse  look round, right button  shift, wheel or + -  zoom",
+        "space  freeze, then  , .  step back and on", ",  slow motion    f  follow or not    Home  from the front",
+        "g  grey    m  map    F1  this help    q  end",
+        "gamepad  left stick  where to and how fast, right stick  look round,",
+        "    triggers  zoom, A B X Y  as 1 to 4"})
+    lines.emplace_back(line);
+  return lines;
+}
+
+}  // namespace rotunda::playback
