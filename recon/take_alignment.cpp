@@ -43,6 +43,7 @@ json json_of(const FrameAlignment& frame) {
           {"residual_mean_mm", frame.residual_mean_mm},
           {"residual_p95_mm", frame.residual_p95_mm},
           {"stretch_p95", frame.stretch_p95},
+          {"uncovered", frame.uncovered},
           {"folds", frame.folds}};
 }
 
@@ -53,6 +54,7 @@ FrameAlignment frame_alignment_of(const std::string& text, const fs::path& folde
             .residual_mean_mm = frame.at("residual_mean_mm").get<double>(),
             .residual_p95_mm = frame.at("residual_p95_mm").get<double>(),
             .stretch_p95 = frame.at("stretch_p95").get<double>(),
+            .uncovered = frame.at("uncovered").get<double>(),
             .folds = frame.at("folds").get<std::size_t>()};
   } catch (const json::exception&) {
     throw CorruptData(folder.string() + ": a frame's report is damaged; delete the folder and align again");
@@ -166,7 +168,7 @@ std::optional<BodyTrack> TakeAlignment::found_body() {
 }
 
 void TakeAlignment::open_store(const std::string& reference) {
-  const json settings{{"version", 1}, {"frames", settings_}, {"how", report_.how}, {"reference", reference}};
+  const json settings{{"version", 2}, {"frames", settings_}, {"how", report_.how}, {"reference", reference}};
   store_.emplace(AlignmentStore::folder_of(take_.folder()), settings.dump());
 }
 
@@ -272,6 +274,7 @@ void TakeAlignment::finish(const AlignmentReference& reference, std::size_t fram
                                 .residual_mean_mm = aligned.residual_mean_mm,
                                 .residual_p95_mm = aligned.residual_p95_mm,
                                 .stretch_p95 = aligned.stretch_p95,
+                                .uncovered = aligned.uncovered,
                                 .folds = aligned.folds};
     store_->save(frame, aligned.image, json_of(report).dump());
   }
@@ -309,6 +312,15 @@ void TakeAlignment::make_report() {
 }
 
 }  // namespace
+
+double TakeAlignmentReport::uncovered() const {
+  std::vector<double> shares;
+  for (const auto& frame : frames) shares.push_back(frame.uncovered);
+  if (shares.empty()) return 0.0;
+  const auto middle = shares.begin() + static_cast<std::ptrdiff_t>(shares.size() / 2);
+  std::nth_element(shares.begin(), middle, shares.end());
+  return *middle;
+}
 
 TakeAlignmentReport align_take(const TakeAlignmentOptions& options,
                                const std::function<void(std::size_t, std::size_t)>& progress, std::stop_token stop) {

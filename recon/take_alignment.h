@@ -29,6 +29,7 @@ struct FrameAlignment {
   std::size_t frame = 0;                                 // of the take
   double residual_mean_mm = 0.0, residual_p95_mm = 0.0;  // the carried surface to the frame's own
   double stretch_p95 = 1.0;
+  double uncovered = 0.0;  // share of the frame's own area that the carried surface does not reach
   std::size_t folds = 0;
 };
 
@@ -38,6 +39,8 @@ struct TakeAlignmentReport {
   std::vector<FrameAlignment> frames;  // ascending; also in recon/aligned/report.json
   std::vector<StageCost> stages;       // of this run
   bool interrupted = false;
+
+  double uncovered() const;  // of the median frame; 0 without frames
 };
 
 // Calls `progress` now and then, from any thread, one call at a time. The same result on any number of threads. Throws

@@ -141,7 +141,7 @@ TakeReconstructionReport TakeReconstruction::run() {
   for (std::size_t frame = first_; frame < end_; ++frame)
     if (const auto reason = store_->failure(frame)) report_.failed.push_back({frame, *reason});
   report_.mapped = mapped_frames().size();
-  if (!report_.interrupted && report_.mapped > 0 && options_.align) align_frames();
+  if (!report_.interrupted && report_.mapped > 0 && options_.align != Alignment::none) align_frames();
   report_.interrupted = stop_.stop_requested();
   if (!report_.interrupted && report_.mapped > 0) clock_.run("encode", [&] { write_video(); });
   report_.stages = clock_.costs();
@@ -241,7 +241,7 @@ void TakeReconstruction::finish(Work& work) {
 void TakeReconstruction::count_finished() {
   const std::lock_guard lock(done_mutex_);
   ++done_;
-  if (tell_) tell_(done_, (end_ - first_) * (options_.align ? 2 : 1));
+  if (tell_) tell_(done_, (end_ - first_) * (options_.align != Alignment::none ? 2 : 1));
 }
 
 void TakeReconstruction::export_mesh(std::size_t frame, const TriangleMesh& mesh) const {
@@ -268,6 +268,9 @@ std::vector<std::size_t> TakeReconstruction::mapped_frames() const {
   return mapped;
 }
 
+// Hands and hair that a template lacks are less; a skirt or a prop is more.
+constexpr double kMostUncovered = 0.03;
+
 // What has no lengths that a body could be told by stays as it is, and the report says so.
 void TakeReconstruction::align_frames() {
   const TakeAlignmentOptions options{.take = options_.take,
@@ -279,8 +282,13 @@ void TakeReconstruction::align_frames() {
     report_.unaligned = "the calibration is not in metres";
     return;
   }
-  report_.alignment = align_take(
+  auto alignment = align_take(
       options, [&](std::size_t, std::size_t) { count_finished(); }, stop_);
+  if (options_.align == Alignment::where_it_fits && !options_.reference && alignment.uncovered() > kMostUncovered)
+    report_.unaligned =
+        fmt::format("{:.1f} % of the surface is not of the body that was found in it", 1e2 * alignment.uncovered());
+  else
+    report_.alignment = std::move(alignment);
 }
 
 GeometryImage TakeReconstruction::image(std::size_t frame) const {

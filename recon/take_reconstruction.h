@@ -16,6 +16,10 @@
 
 namespace rotunda::recon {
 
+// Whether every frame is sampled at the same points of the performer (take_alignment.h). Where it fits: unless the
+// surface that is carried leaves out much of what the frames show, a wide skirt or a prop.
+enum class Alignment { none, where_it_fits, always };
+
 enum class Quality { full, live };  // live: the live key (capture/matte/live_key.h), for a look at once
 
 struct TakeReconstructionOptions {
@@ -30,8 +34,8 @@ struct TakeReconstructionOptions {
   Quality quality = Quality::full;
   int jobs = 0;                                    // frames at once; 0: one a core
   bool paper = false;                              // also write the paper's 24-bit AVI
-  bool align = false;                              // sample every frame at the same points (take_alignment.h)
-  std::optional<std::filesystem::path> reference;  // of `align`: another take of the same person
+  Alignment align = Alignment::none;
+  std::optional<std::filesystem::path> reference;  // of the alignment: another take of the same person
   std::optional<std::filesystem::path> meshes;     // one PLY a frame
   std::optional<std::filesystem::path> mattes;     // DIR/<camera>/frame000000.png
 };
@@ -48,7 +52,7 @@ struct TakeReconstructionReport {
   std::size_t resumed = 0;                       // of these, finished in an earlier run
   std::vector<FailedFrame> failed;               // in the video these are made from their neighbours and marked so
   std::vector<StageCost> stages;                 // of this run
-  std::optional<TakeAlignmentReport> alignment;  // none: not asked for, or `unaligned` says why there is none
+  std::optional<TakeAlignmentReport> alignment;  // of the video; none: not asked for, or `unaligned` says why
   std::string unaligned;
   double wall_s = 0.0, cpu_s = 0.0;  // of this run, CPU of the whole process
   bool interrupted = false;

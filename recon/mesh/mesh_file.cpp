@@ -11,6 +11,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
+#include <mutex>
 #include <system_error>
 
 #include "config/errors.h"
@@ -60,6 +61,9 @@ class Collector : public OpenMesh::IO::ImporterT<Polygons> {
   std::size_t promised_vertices_ = 0, promised_faces_ = 0, faces_ = 0;
 };
 
+// OpenMesh has one reader and one writer a format, and they keep what they are at.
+std::mutex one_at_a_time;
+
 [[noreturn]] void throw_errno(const std::filesystem::path& file, const char* what) {
   throw std::system_error(errno != 0 ? errno : EIO, std::generic_category(), file.string() + ": " + what);
 }
@@ -68,6 +72,7 @@ class Collector : public OpenMesh::IO::ImporterT<Polygons> {
 bool read_with_openmesh(std::ifstream& stream, Collector& collector, Options& options) {
   omerr().disable();  // the caller tells
   stream.exceptions(std::ios::failbit | std::ios::badbit);
+  const std::lock_guard lock(one_at_a_time);
   try {
     return OpenMesh::IO::IOManager().read(stream, ".ply", collector, options);
   } catch (const std::ios_base::failure&) {
@@ -142,7 +147,11 @@ TriangleMesh read_obj(const std::filesystem::path& file) {
   TriangleMesh mesh;
   Collector collector(vertices, mesh, file);
   Options options;
-  if (!OpenMesh::IO::IOManager().read(stream, ".obj", collector, options) || mesh.triangles.empty())
+  const bool is_read = [&] {
+    const std::lock_guard lock(one_at_a_time);
+    return OpenMesh::IO::IOManager().read(stream, ".obj", collector, options);
+  }();
+  if (!is_read || mesh.triangles.empty())
     throw CorruptData(file, 0, "is no OBJ mesh");
   copy_vertices(vertices, options, mesh);
   return mesh;
@@ -180,7 +189,10 @@ void write_ply(const std::filesystem::path& file, const TriangleMesh& mesh) {
   errno = 0;
   std::ofstream stream(file, std::ios::binary);
   if (!stream) throw_errno(file, "cannot be created");
-  if (!OpenMesh::IO::write_mesh(polygons, stream, ".ply", options)) throw_errno(file, "cannot be written");
+  {
+    const std::lock_guard lock(one_at_a_time);
+    if (!OpenMesh::IO::write_mesh(polygons, stream, ".ply", options)) throw_errno(file, "cannot be written");
+  }
   stream.close();
   if (!stream) throw_errno(file, "cannot be written");
 }

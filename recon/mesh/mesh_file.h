@@ -2,7 +2,7 @@
 // Meshes as PLY files, read and written by OpenMesh, and OBJ files, read. Positions as they are in the file: world
 // frame, metres by custom. Written: binary little-endian, float positions, normals and 8-bit colours (red, green, blue)
 // where the mesh has them. Read: ASCII or binary of either byte order; polygons are cut into fans; what else a file
-// holds is passed over. Positions go through float in OpenMesh 9, also where the file holds doubles.
+// holds is passed over. Positions go through float in OpenMesh 9, also where the file holds doubles. From any thread.
 #include <filesystem>
 
 #include "recon/mesh/triangle_mesh.h"

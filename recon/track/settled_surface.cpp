@@ -15,7 +15,8 @@ namespace {
 constexpr double kGate = 0.05;       // metres
 constexpr double kFarthest = 0.015;  // metres a round
 constexpr int kSweeps = 4;           // of evening out: over about 3 cm of a surface of 20 000 triangles
-constexpr int kUnfoldRounds = 30;
+constexpr int kUnfoldRounds = 48;
+constexpr int kRoundsARing = 8;
 
 // How far along its normal each vertex is from the surface, as far as that is to be believed.
 std::vector<double> offsets_to(const SurfaceTarget& target, const TriangleMesh& mesh,
@@ -31,15 +32,20 @@ std::vector<double> offsets_to(const SurfaceTarget& target, const TriangleMesh& 
   return offsets;
 }
 
-// Vertices of triangles that face against the normals of what was carried there.
-std::vector<std::uint32_t> folded(const TriangleMesh& mesh, const std::vector<Eigen::Vector3f>& normals,
-                                  std::size_t& folds) {
-  std::vector<std::uint32_t> vertices;
-  folds = 0;
+// Vertices of triangles that face against the surface around them, in which every triangle has one voice: a fold's are
+// often the largest.
+std::vector<std::uint32_t> folded(const TriangleMesh& mesh, std::size_t& folds) {
+  std::vector<Eigen::Vector3f> across, around(mesh.positions.size(), Eigen::Vector3f::Zero());
   for (const auto& t : mesh.triangles) {
     const auto& p = mesh.positions;
-    const Eigen::Vector3f across = (p[t[1]] - p[t[0]]).cross(p[t[2]] - p[t[0]]);
-    if (across.dot(normals[t[0]] + normals[t[1]] + normals[t[2]]) >= 0.0F) continue;
+    across.push_back((p[t[1]] - p[t[0]]).cross(p[t[2]] - p[t[0]]).normalized());
+    for (const auto v : t) around[v] += across.back();
+  }
+  std::vector<std::uint32_t> vertices;
+  folds = 0;
+  for (std::size_t i = 0; i < across.size(); ++i) {
+    const auto& t = mesh.triangles[i];
+    if (across[i].dot(around[t[0]] + around[t[1]] + around[t[2]]) >= 0.0F) continue;
     ++folds;
     vertices.insert(vertices.end(), t.begin(), t.end());
   }
@@ -48,17 +54,28 @@ std::vector<std::uint32_t> folded(const TriangleMesh& mesh, const std::vector<Ei
   return vertices;
 }
 
-void unfold(const VertexRings& rings, const std::vector<Eigen::Vector3f>& normals, SettledSurface& settled) {
-  auto& positions = settled.mesh.positions;
-  for (int round = 0; round < kUnfoldRounds; ++round) {
-    const auto vertices = folded(settled.mesh, normals, settled.folds);
-    if (vertices.empty()) return;
+void add_ring(const VertexRings& rings, std::vector<std::uint32_t>& vertices) {
+  for (std::size_t i = 0, before = vertices.size(); i < before; ++i)
+    vertices.insert(vertices.end(), rings[vertices[i]].begin(), rings[vertices[i]].end());
+  std::sort(vertices.begin(), vertices.end());
+  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+}
+
+// What stays folded is evened out over a wider patch, a ring more every few rounds. Returns the folds that are left.
+std::size_t unfold(const VertexRings& rings, TriangleMesh& mesh) {
+  std::size_t folds = 0;
+  for (int round = 0;; ++round) {
+    auto vertices = folded(mesh, folds);
+    if (vertices.empty() || round == kUnfoldRounds) break;
+    for (int ring = 0; ring < round / kRoundsARing; ++ring) add_ring(rings, vertices);
     for (const auto v : vertices) {
       Eigen::Vector3f sum = Eigen::Vector3f::Zero();
-      for (const auto neighbour : rings[v]) sum += positions[neighbour];
-      positions[v] = sum / static_cast<float>(rings[v].size());
+      for (const auto neighbour : rings[v]) sum += mesh.positions[neighbour];
+      mesh.positions[v] = sum / static_cast<float>(rings[v].size());
     }
   }
+  compute_normals(mesh);
+  return folds;
 }
 
 void measure(const SurfaceTarget& target, SettledSurface& settled) {
@@ -82,20 +99,34 @@ void measure(const SurfaceTarget& target, SettledSurface& settled) {
   }
 }
 
+double uncovered_share(const TriangleMesh& settled, const TriangleMesh& whole) {
+  const SurfaceTarget near(settled);
+  const auto areas = vertex_areas(whole);
+  std::vector<double> bare(areas.size(), 0.0);
+  tbb::parallel_for(std::size_t{0}, bare.size(), [&](std::size_t v) {
+    const auto at = whole.positions[v].cast<double>(), normal = whole.normals[v].cast<double>();
+    if (!near.closest_vertex(at, normal, kGate)) bare[v] = areas[v];
+  });
+  return std::accumulate(bare.begin(), bare.end(), 0.0) /
+         std::max(std::accumulate(areas.begin(), areas.end(), 0.0), 1e-12);
+}
+
 }  // namespace
 
 SettledSurface settle(const TriangleMesh& carried, const SurfaceTarget& target, const SettleOptions& options) {
   const VertexRings rings(carried);
   SettledSurface settled{.mesh = carried};
+  unfold(rings, settled.mesh);  // skin creases where limbs bend
+  const auto normals = settled.mesh.normals;
   for (int round = 0; round < options.rounds; ++round) {
-    auto offsets = offsets_to(target, settled.mesh, carried.normals, options.outwards);
+    auto offsets = offsets_to(target, settled.mesh, normals, options.outwards);
     even_out(rings, kSweeps, offsets);
     for (std::size_t v = 0; v < offsets.size(); ++v)
-      settled.mesh.positions[v] += static_cast<float>(offsets[v]) * carried.normals[v];
+      settled.mesh.positions[v] += static_cast<float>(offsets[v]) * normals[v];
   }
-  unfold(rings, carried.normals, settled);
-  compute_normals(settled.mesh);
+  settled.folds = unfold(rings, settled.mesh);
   measure(target, settled);
+  settled.uncovered = uncovered_share(settled.mesh, target.mesh());
   return settled;
 }
 

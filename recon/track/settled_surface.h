@@ -12,6 +12,7 @@ struct SettledSurface {
   TriangleMesh mesh;              // with normals
   double residual_mean_mm = 0.0;  // of the vertices, settled, to the frame's surface, by area
   double residual_p95_mm = 0.0;
+  double uncovered = 0.0;  // share of the frame's area that lies farther than 50 mm from the settled surface
   std::size_t folds = 0;  // triangles that still face against the surface they lie on
 };
 

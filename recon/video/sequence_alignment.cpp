@@ -53,6 +53,7 @@ AlignedFrame settled_frame(const AlignmentReference& reference, const TriangleMe
           .residual_mean_mm = settled.residual_mean_mm,
           .residual_p95_mm = settled.residual_p95_mm,
           .stretch_p95 = stretch,
+          .uncovered = settled.uncovered,
           .folds = settled.folds};
 }
 

@@ -31,7 +31,8 @@ struct AlignedFrame {
   GeometryImage image;                                   // of it; colours and coverage left for the caller
   double residual_mean_mm = 0.0, residual_p95_mm = 0.0;  // of the surface carried to the frame's own, by area
   double stretch_p95 = 1.0;  // 95 % of its edges are longer or shorter than the reference's by less than this factor
-  std::size_t folds = 0;     // its triangles that face against where they were carried
+  double uncovered = 0.0;    // share of the frame's own area farther than 50 mm from the surface carried
+  std::size_t folds = 0;     // its triangles that face against the surface around them
 };
 
 // A frame's own surface; none where the frame failed.

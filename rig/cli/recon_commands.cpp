@@ -47,6 +47,7 @@ json to_json(const recon::TakeAlignmentReport& report) {
                       {"residual_mean_mm", frame.residual_mean_mm},
                       {"residual_p95_mm", frame.residual_p95_mm},
                       {"stretch_p95", frame.stretch_p95},
+                      {"uncovered", frame.uncovered},
                       {"folds", frame.folds}});
   json result{{"how", report.how}, {"frames", frames}, {"stages", to_json(report.stages)}};
   if (!report.why_no_skeleton.empty()) result["why_no_skeleton"] = report.why_no_skeleton;
@@ -66,7 +67,8 @@ json to_json(const recon::TakeReconstructionReport& report) {
           {"cpu_s", report.cpu_s},
           {"stages", to_json(report.stages)},
           {"cameras", json::parse(recon::to_json(report.cameras))},
-          {"alignment", report.alignment ? to_json(*report.alignment) : json()}};
+          {"alignment", report.alignment ? to_json(*report.alignment) : json()},
+          {"unaligned", report.unaligned}};
 }
 
 void print_alignment(const recon::TakeReconstructionReport& report) {
@@ -127,8 +129,16 @@ struct ReconArguments {
   std::string take, frames, reference, quality = "full";
   fs::path calibration, meshes, mattes;
   std::optional<int> colour_level;
+  bool align = false, no_align = false;
   recon::TakeReconstructionOptions options;
 };
+
+recon::Alignment alignment_of(const ReconArguments& arguments) {
+  using recon::Alignment;
+  if (!arguments.reference.empty()) return Alignment::always;
+  if (arguments.align) return Alignment::always;
+  return arguments.no_align || arguments.quality == "live" ? Alignment::none : Alignment::where_it_fits;
+}
 
 int reconstruct(const CommandLine& line, ReconArguments arguments, std::stop_token stop) {
   auto& options = arguments.options;
@@ -138,7 +148,7 @@ int reconstruct(const CommandLine& line, ReconArguments arguments, std::stop_tok
   if (!arguments.meshes.empty()) options.meshes = arguments.meshes;
   if (!arguments.mattes.empty()) options.mattes = arguments.mattes;
   if (!arguments.reference.empty()) options.reference = find_take(line, arguments.reference);
-  options.align = options.align || options.reference;
+  options.align = alignment_of(arguments);
   if (arguments.quality == "live") {
     options.quality = recon::Quality::live;
     options.level = options.colour_level = 7;
@@ -240,8 +250,10 @@ void add_recon_commands(CommandLine& line) {
       ->capture_default_str();
   recon->add_option("--colour-level", arguments->colour_level,
                     "(2^level + 1)^2 colours: as many as positions (8; live: 7), or up to two levels more");
-  recon->add_flag("--align", options.align,
-                  "sample every frame at the same points of the performer, told by the skeleton; else each on its own");
+  auto* align = recon->add_flag("--align", arguments->align,
+                                "sample every frame at the same points of the performer (so without this, too, unless "
+                                "that leaves out a prop or a wide skirt; not with --quality live)");
+  recon->add_flag("--no-align", arguments->no_align, "sample each frame on its own")->excludes(align);
   recon->add_option("--reference", arguments->reference,
                     "another take of the same person, aligned: align this one to its points");
   recon->add_option("--calibration", arguments->calibration, "use this instead of the take's own");
@@ -251,8 +263,8 @@ void add_recon_commands(CommandLine& line) {
   recon->add_option("--mattes", arguments->mattes, "also write DIR/<camera>/frame000000.png");
   recon->footer(
       "Finished frames are kept: an interrupted run goes on where it stopped.\n"
-      "Example:\n  rotunda recon demo --frames 0:25 --meshes surfaces\n  rotunda recon walk --align\n  rotunda recon "
-      "jog --reference walk");
+      "Examples:\n  rotunda recon walk\n  rotunda recon jog --reference walk\n"
+      "  rotunda recon demo --frames 0:25 --meshes surfaces");
   recon->callback([&line, arguments] {
     line.run = [&line, arguments](std::stop_token stop) { return reconstruct(line, *arguments, std::move(stop)); };
   });

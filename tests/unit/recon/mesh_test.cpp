@@ -2,10 +2,12 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <numbers>
+#include <thread>
 
 #include "config/errors.h"
 #include "recon/hull/marching_cubes.h"
@@ -81,6 +83,29 @@ TEST(MeshFile, BringsEverythingBack) {
   EXPECT_EQ(back.normals, mesh.normals);
   EXPECT_EQ(back.colours, mesh.colours);
   EXPECT_EQ(back.triangles, mesh.triangles);
+}
+
+// Two files whose vertices have different sizes: a reader that mixed them up would give neither.
+TEST(MeshFile, ManyThreadsReadAndWriteAtOnce) {
+  const TemporaryFolder folder;
+  auto plain = tetrahedron();
+  auto coloured = plain;
+  coloured.colours.assign(4, {10, 20, 30});
+  compute_normals(coloured);
+  std::vector<std::jthread> threads;
+  std::array<int, 4> wrong{};
+  for (std::size_t t = 0; t < wrong.size(); ++t)
+    threads.emplace_back([&, t] {
+      const auto& mesh = t % 2 == 0 ? plain : coloured;
+      const auto file = folder.path / (std::to_string(t) + ".ply");
+      for (int round = 0; round < 200; ++round) {
+        write_ply(file, mesh);
+        const auto back = read_ply(file);
+        wrong[t] += back.positions != mesh.positions || back.colours != mesh.colours || back.triangles != mesh.triangles;
+      }
+    });
+  threads.clear();
+  EXPECT_EQ(wrong, (std::array<int, 4>{}));
 }
 
 TEST(MeshFile, LeavesOutWhatTheMeshHasNot) {
