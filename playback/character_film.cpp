@@ -13,11 +13,15 @@ double first_cycle_seconds(const recon::MotionGraph& graph) {
   return graph.state(graph.start).period() / graph.fps;
 }
 
+int picture_count(const PerformanceScript& script, double fps) {
+  return std::max(1, static_cast<int>(std::lround(script.seconds * fps)));
+}
+
 int render_character(const std::filesystem::path& character, const recon::MotionGraph& graph,
                      const CharacterFilmOptions& options, FilmWriter& film) {
   if (options.supersample < 1 || options.supersample > 4 || options.width < 1 || options.height < 1)
     throw InvalidInput("a film needs a size, and is drawn 1 to 4 times as large");
-  const int all = std::max(1, static_cast<int>(std::lround(options.script.seconds * graph.fps)));
+  const int all = picture_count(options.script, graph.fps);
   const int width = options.width * options.supersample, height = options.height * options.supersample;
   const RenderTarget target(width, height);
   CharacterView view(character, graph);

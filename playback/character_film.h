@@ -30,6 +30,8 @@ struct CharacterFilmOptions {
 int render_character(const std::filesystem::path& character, const recon::MotionGraph& graph,
                      const CharacterFilmOptions& options, FilmWriter& film);
 
+int picture_count(const PerformanceScript& script, double fps);
+
 // How long the cycle of the graph's first state takes, seconds.
 double first_cycle_seconds(const recon::MotionGraph& graph);
 

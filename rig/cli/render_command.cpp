@@ -13,6 +13,7 @@
 #include "config/progress.h"
 #include "playback/character_film.h"
 #include "playback/display/headless.h"
+#include "playback/render/film_strip.h"
 #include "playback/render/film_writer.h"
 #include "playback/render/frame_painter.h"
 #include "playback/render/orbit_film.h"
@@ -37,6 +38,7 @@ struct RenderArguments {
   std::optional<fs::path> calibration;
   std::optional<std::size_t> frame;
   double turns = 1.0;
+  int moments = 10;
   fs::path output, script;
 };
 
@@ -172,12 +174,31 @@ int render_view(const CommandLine& line, const RenderArguments& arguments, recon
   return tell(line, clock, arguments.output, !stop.stop_requested());
 }
 
+// A film, a folder of pictures, or a strip of moments in one picture.
+std::unique_ptr<playback::FilmWriter> film_of(const fs::path& output, const playback::CharacterFilmOptions& options,
+                                              int moments, double fps) {
+  const auto background = options.background.value_or(playback::FilmOptions{}.background);
+  if (output.extension() == ".png")
+    return playback::make_film_strip(output, {.width = options.width,
+                                              .height = options.height,
+                                              .pictures = playback::picture_count(options.script, fps),
+                                              .moments = moments,
+                                              .background = background});
+  return playback::make_film_writer(
+      output, {.width = options.width, .height = options.height, .fps = fps, .background = background});
+}
+
 // A character performs what the script says; without one its first state, once round.
 int render_performance(const CommandLine& line, const RenderArguments& arguments, std::stop_token stop) {
   if (!arguments.view.empty() || arguments.frame || !arguments.frames.empty())
     throw InvalidInput("a character is filmed with --script FILE or --orbit; leave --view, --frame and --frames out");
   const auto graph = recon::open_character(arguments.clip);
   playback::CharacterFilmOptions options;
+  const auto output = arguments.output.empty() ? fs::path("character.mp4") : arguments.output;
+  if (output.extension() == ".png") {
+    options.width = playback::FilmStripOptions{}.width;
+    options.height = playback::FilmStripOptions{}.height;
+  }
   if (!arguments.size.empty()) {
     options.width = arguments.size[0];
     options.height = arguments.size[1];
@@ -188,13 +209,9 @@ int render_performance(const CommandLine& line, const RenderArguments& arguments
     options.script.seconds = 3.0 * playback::first_cycle_seconds(graph);
   options.turns = arguments.orbit ? arguments.turns : 0.0;
   options.stop = stop;
-  const auto output = arguments.output.empty() ? fs::path("character.mp4") : arguments.output;
   options.background = background_of(arguments);
-  if (!options.background && output.extension() == ".mp4") options.background = playback::FilmOptions{}.background;
-  const auto film = playback::make_film_writer(output, {.width = options.width,
-                                                        .height = options.height,
-                                                        .fps = graph.fps,
-                                                        .background = options.background.value_or(recon::Colour{})});
+  if (!options.background && !output.extension().empty()) options.background = playback::FilmOptions{}.background;
+  const auto film = film_of(output, options, arguments.moments, graph.fps);
   Progress bar("rendering");
   recon::StageClock clock;
   recon::StageClock::Laps laps(clock, "render");
@@ -249,12 +266,16 @@ void add_render_command(CommandLine& line) {
       ->delimiter(',')
       ->expected(3)
       ->check(CLI::Range(0, 255));
+  app->add_option("--moments", arguments->moments, "of a character's performance, side by side in one FILE.png")
+      ->check(CLI::Range(1, 200))
+      ->capture_default_str();
   app->add_option("-o,--output", arguments->output, "FILE.png, FILE.mp4 or a folder of pictures (orbit.mp4, view.png)");
   app->footer(
       "Examples:\n  rotunda render demo --orbit -o orbit.mp4\n"
       "  rotunda render demo --view calibration.yaml:cam03 --frame 12 -o view.png\n"
       "  rotunda render demo --orbit --view-dependent -o orbit.mp4\n"
       "  rotunda render alex --script performance.yaml -o performance.mp4\n"
+      "  rotunda render alex --script performance.yaml --moments 12 -o strip.png\n"
       "A script: - {at: 1.0, state: walk}, - {at: 3.5, turn_deg: 40}, - {at: 5.0, speed: 1.6}, a line each.");
   app->callback([&line, arguments] {
     line.run = [&line, arguments](std::stop_token stop) { return render(line, *arguments, std::move(stop)); };

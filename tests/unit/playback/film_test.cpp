@@ -9,6 +9,7 @@
 #include "capture/picture.h"
 #include "config/errors.h"
 #include "playback/display/headless.h"
+#include "playback/render/film_strip.h"
 #include "playback/render/orbit_film.h"
 #include "tests/unit/round_geometry_image.h"
 
@@ -70,6 +71,27 @@ TEST_F(Film, LeavesNothingWhenAbandoned) {
     film->write(cv::Mat(48, 64, CV_8UC4, cv::Scalar::all(255)));
   }
   EXPECT_TRUE(std::filesystem::is_empty(folder_));
+}
+
+TEST(FilmStrip, TakesTheFirstTheLastAndEvenMomentsBetween) {
+  EXPECT_EQ(moments_of(31, 4), (std::vector{0, 10, 20, 30}));
+  EXPECT_EQ(moments_of(3, 10), (std::vector{0, 1, 2}));
+  EXPECT_EQ(moments_of(50, 1), std::vector{0});
+}
+
+// Twelve moments of twelve pictures whose red tells their number: two rows of six.
+TEST_F(Film, AStripHasItsMomentsRowByRow) {
+  const auto file = folder_ / "strip.png";
+  auto strip = make_film_strip(file, {.width = 8, .height = 6, .pictures = 23, .moments = 12});
+  for (int i = 0; i < 23; ++i) strip->write(cv::Mat(6, 8, CV_8UC4, cv::Scalar(10.0 * i, 0, 0, 255)));
+  EXPECT_FALSE(std::filesystem::exists(file));
+  strip->finish();
+  const auto picture = capture::read_rgb(file);
+  ASSERT_EQ(picture.size(), cv::Size(48, 12));
+  for (int place = 0; place < 12; ++place)
+    EXPECT_EQ(picture.at<cv::Vec3b>(3 + place / 6 * 6, 4 + place % 6 * 8)[0], 20 * place);
+  EXPECT_THROW(strip->write(cv::Mat(6, 9, CV_8UC4)), InvalidInput);
+  EXPECT_THROW(make_film_strip(file, {.moments = 0}), InvalidInput);
 }
 
 TEST_F(Film, RefusesWhatCannotBe) {
