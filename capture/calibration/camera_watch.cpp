@@ -5,8 +5,8 @@
 #include <numbers>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
+#include <vector>
 
-#include "capture/calibration/camera_start.h"
 #include "config/errors.h"
 
 namespace rotunda::capture {
@@ -104,13 +104,6 @@ double deviation_of(const cv::Mat& affine, const std::vector<cv::Point2d>& from,
   return std::sqrt(2.0 * variance * sum / static_cast<double>(places.size()));
 }
 
-Eigen::Isometry3d camera_from_world(const CameraModel& camera) {
-  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-  pose.linear() = camera.R;
-  pose.translation() = camera.t;
-  return pose;
-}
-
 }  // namespace
 
 std::optional<BackgroundShift> background_shift(const cv::Mat& before, const cv::Mat& now) {
@@ -146,38 +139,6 @@ std::optional<BackgroundShift> background_shift(const cv::Mat& before, const cv:
 
 bool has_moved(const BackgroundShift& shift) {
   return shift.shift_px > std::max(kTold, 4.0 * shift.deviation_px);
-}
-
-std::vector<BoardShift> board_shifts(std::span<const CameraModel> cameras, std::span<const Sighting> sightings,
-                                     std::span<const Board> boards) {
-  std::vector<BoardShift> shifts(cameras.size());
-  for (std::size_t camera = 0; camera < cameras.size(); ++camera) {
-    RigState state;
-    state.cameras.assign(cameras.begin(), cameras.end());
-    std::vector<Sighting> others, own;
-    for (const auto& sighting : sightings) {
-      (sighting.camera == camera ? own : others).push_back(sighting);
-      const BoardKey key{sighting.moment, sighting.board};
-      if (sighting.camera == camera || state.world_from_board.contains(key)) continue;
-      const auto poses = camera_from_board(cameras[sighting.camera], sighting, boards[sighting.board]);
-      if (!poses.empty())
-        state.world_from_board[key] = camera_from_world(cameras[sighting.camera]).inverse() * poses.front();
-    }
-    if (own.empty() || state.world_from_board.empty()) continue;
-    adjust(state, others, boards, {.keep_cameras = true, .rounds = 2});
-    double squares = 0.0;
-    for (const auto& sighting : own) {
-      if (!state.world_from_board.contains({sighting.moment, sighting.board})) continue;
-      const auto positions = corner_positions(boards[sighting.board]);
-      for (const auto& corner : sighting.corners)
-        if (const auto off = residual(state, sighting, corner, positions[static_cast<std::size_t>(corner.corner)])) {
-          squares += off->squaredNorm();
-          ++shifts[camera].corners;
-        }
-    }
-    if (shifts[camera].corners > 0) shifts[camera].shift_px = std::sqrt(squares / shifts[camera].corners);
-  }
-  return shifts;
 }
 
 }  // namespace rotunda::capture

@@ -1,10 +1,8 @@
 #pragma once
 // Has a camera moved since it was calibrated? By the background: what stands still in an earlier picture is looked for
-// in a later one; or by a board: how far its corners are from where the calibration puts them.
+// in a later one. By a board: board_watch.h.
+#include <opencv2/core.hpp>
 #include <optional>
-#include <vector>
-
-#include "capture/calibration/bundle_adjustment.h"
 
 namespace rotunda::capture {
 
@@ -21,13 +19,5 @@ std::optional<BackgroundShift> background_shift(const cv::Mat& before, const cv:
 
 // A shift worth telling: more than a third of a pixel and than what the features could hide.
 bool has_moved(const BackgroundShift& shift);
-
-struct BoardShift {
-  int corners = 0;
-  double shift_px = 0.0;  // root mean square distance of this camera's corners from where all others put the boards
-};
-// One a camera of the calibration; 0 corners: it saw no board together with another.
-std::vector<BoardShift> board_shifts(std::span<const CameraModel> cameras, std::span<const Sighting> sightings,
-                                     std::span<const Board> boards);
 
 }  // namespace rotunda::capture

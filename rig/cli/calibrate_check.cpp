@@ -9,7 +9,7 @@
 
 #include "capture/calibration/board_folder.h"
 #include "capture/calibration/board_search.h"
-#include "capture/calibration/camera_watch.h"
+#include "capture/calibration/board_watch.h"
 #include "capture/calibration/take_watch.h"
 #include "capture/calibration_file.h"
 #include "config/errors.h"
@@ -22,8 +22,6 @@ namespace {
 
 using nlohmann::json;
 namespace fs = std::filesystem;
-
-constexpr double kBoardShiftTold = 1.0;  // pixels; boards held by hand and the calibration itself make a few tenths
 
 // What is told of a camera: by what stands still behind the performer, by the performer's outlines, or by a board.
 struct Checked {
@@ -65,6 +63,16 @@ std::vector<Checked> check_take(const CheckRequest& request, const std::stop_tok
   return all;
 }
 
+capture::CameraMove by_boards(const std::string& camera, const capture::BoardShift& shift) {
+  capture::CameraMove move{.camera = camera, .how = "not told: it saw no board together with another camera"};
+  if (shift.corners == 0) return move;
+  move.shift_px = shift.shift_px;
+  move.moved = shift.moved;
+  move.how = fmt::format("{} corners", shift.corners);
+  if (shift.disputed) move.how += "; two cameras disagree: show the board to a third as well to tell which moved";
+  return move;
+}
+
 std::vector<Checked> check_boards_seen(const CheckRequest& request, const std::stop_token& stop) {
   if (request.boards.empty() || request.calibration.empty())
     throw InvalidInput("to check with pictures of boards give --board FILE and --calibration FILE as well");
@@ -87,16 +95,7 @@ std::vector<Checked> check_boards_seen(const CheckRequest& request, const std::s
       }
   const auto shifts = capture::board_shifts(cameras, known, boards);
   std::vector<Checked> all;
-  for (std::size_t i = 0; i < cameras.size(); ++i) {
-    capture::CameraMove checked{.camera = cameras[i].name,
-                                .how = "not told: it saw no board together with another camera"};
-    if (shifts[i].corners > 0) {
-      checked.shift_px = shifts[i].shift_px;
-      checked.moved = shifts[i].shift_px > kBoardShiftTold;
-      checked.how = fmt::format("{} corners", shifts[i].corners);
-    }
-    all.push_back({std::move(checked), {}});
-  }
+  for (std::size_t i = 0; i < cameras.size(); ++i) all.push_back({by_boards(cameras[i].name, shifts[i]), {}});
   return all;
 }
 

@@ -5,7 +5,6 @@
 #include <opencv2/imgproc.hpp>
 
 #include "config/errors.h"
-#include "tests/support/board_scene.h"
 
 namespace rotunda::capture {
 namespace {
@@ -78,18 +77,6 @@ TEST(CameraWatch, FeaturesCloseTogetherSayLittleOfTheRest) {
 TEST(CameraWatch, SaysNothingOfAnEmptyWall) {
   EXPECT_FALSE(background_shift(cv::Mat(240, 320, CV_8UC1, cv::Scalar(90)), wall(0, 0, 0, 1)));
   EXPECT_THROW(background_shift(wall(0, 0, 0, 1), cv::Mat(10, 10, CV_8UC1)), InvalidInput);
-}
-
-TEST(CameraWatch, ABoardTellsWhichCameraMoved) {
-  const Board board{};
-  const auto rig = tests::board_rig(4);
-  auto now = rig;
-  now[1].t.y() += 0.01;  // 2 px at 3.6 m
-  const auto shifts =
-      board_shifts(rig, tests::sightings_of(now, board, tests::board_walk(12), 0.03), std::vector{board});
-  ASSERT_EQ(shifts.size(), 4U);
-  EXPECT_NEAR(shifts[1].shift_px, 2.0, 0.8);
-  for (const std::size_t other : {0U, 2U, 3U}) EXPECT_LT(shifts[other].shift_px, shifts[1].shift_px);
 }
 
 }  // namespace
