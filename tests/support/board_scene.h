@@ -3,6 +3,7 @@
 // z up.
 #include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <optional>
 #include <random>
 #include <vector>
 
@@ -45,32 +46,44 @@ inline cv::Mat board_picture(const capture::CameraModel& camera, const capture::
             top = about.isEmpty() ? 0 : std::max(0, static_cast<int>(about.min().y()) - 6),
             right_end = about.isEmpty() ? 0 : std::min(camera.width, static_cast<int>(about.max().x()) + 7),
             bottom = about.isEmpty() ? 0 : std::min(camera.height, static_cast<int>(about.max().y()) + 7);
+  const auto hit = [&](int x, int y) -> std::optional<Eigen::Vector2d> {
+    const auto ray = capture::ray_through(camera, Eigen::Vector2d(x, y));
+    if (!ray) return std::nullopt;
+    const Eigen::Vector3d way = board_from_world.linear() * *ray;
+    if (way.z() >= 0.0) return std::nullopt;
+    return Eigen::Vector2d((eye - way * (eye.z() / way.z())).head<2>());
+  };
+  // Where the pixels' middles meet the board's plane, and those of the pixels around the region.
+  const int width = right_end - left + 2;
+  std::vector<std::optional<Eigen::Vector2d>> hits;
   if (eye.z() > 0.0)
-    for (int y = top; y < bottom; ++y)
-      for (int x = left; x < right_end; ++x) {
-        double sum = 0.0;
-        const auto hit = [&](double px, double py) -> std::optional<Eigen::Vector2d> {
-          const auto ray = capture::ray_through(camera, {px, py});
-          if (!ray) return std::nullopt;
-          const Eigen::Vector3d way = board_from_world.linear() * *ray;
-          if (way.z() >= 0.0) return std::nullopt;
-          return Eigen::Vector2d((eye - way * (eye.z() / way.z())).head<2>());
-        };
-        const auto middle = hit(x, y);
-        if (!middle || (middle->cwiseAbs() - 1.3 * half).maxCoeff() > 0.0) continue;
-        const auto right = hit(x + 0.5, y), down = hit(x, y + 0.5);
-        if (!right || !down) continue;
-        const Eigen::Vector2d u = 2.0 * (*right - *middle), v = 2.0 * (*down - *middle);
-        const Eigen::Vector2d box = (u.cwiseAbs() + v.cwiseAbs()) * (0.5 / kSub);
-        for (int j = 0; j < kSub; ++j)
-          for (int i = 0; i < kSub; ++i) {
-            const Eigen::Vector2d at = *middle + u * ((i + 0.5) / kSub - 0.5) + v * ((j + 0.5) / kSub - 0.5);
-            const bool on = (at.cwiseAbs() - half).maxCoeff() < 0.0;
-            sum += on ? look.black + (look.white - look.black) * print.mean(at.x(), at.y(), box.x(), box.y())
-                      : look.background;
-          }
-        linear.at<float>(y, x) = static_cast<float>(sum / (kSub * kSub));
+    for (int y = top - 1; y <= bottom; ++y)
+      for (int x = left - 1; x <= right_end; ++x) hits.push_back(hit(x, y));
+  for (int y = top; y < bottom && !hits.empty(); ++y)
+    for (int x = left; x < right_end; ++x) {
+      const auto* at_pixel = &hits[static_cast<std::size_t>((y - top + 1) * width + x - left + 1)];
+      const auto &middle = at_pixel[0], &before = at_pixel[-1], &after = at_pixel[1], &above = at_pixel[-width],
+                 &below = at_pixel[width];
+      if (!middle || !before || !after || !above || !below) continue;
+      if ((middle->cwiseAbs() - 1.3 * half).maxCoeff() > 0.0) continue;
+      const Eigen::Vector2d u = 0.5 * (*after - *before), v = 0.5 * (*below - *above);
+      const Eigen::Vector2d whole = 0.5 * (u.cwiseAbs() + v.cwiseAbs()), box = whole / kSub;
+      const auto lit = [&](double white) { return look.black + (look.white - look.black) * white; };
+      const double inmost = (half - middle->cwiseAbs() - whole).minCoeff();
+      if (const auto plain =
+              inmost > 0.0 ? print.plain(middle->x(), middle->y(), whole.x(), whole.y()) : std::nullopt) {
+        linear.at<float>(y, x) = static_cast<float>(lit(*plain));
+        continue;
       }
+      double sum = 0.0;
+      for (int j = 0; j < kSub; ++j)
+        for (int i = 0; i < kSub; ++i) {
+          const Eigen::Vector2d at = *middle + u * ((i + 0.5) / kSub - 0.5) + v * ((j + 0.5) / kSub - 0.5);
+          const bool on = (at.cwiseAbs() - half).maxCoeff() < 0.0;
+          sum += on ? lit(print.mean(at.x(), at.y(), box.x(), box.y())) : look.background;
+        }
+      linear.at<float>(y, x) = static_cast<float>(sum / (kSub * kSub));
+    }
   if (look.blur_px > 0.0) cv::GaussianBlur(linear, linear, {}, look.blur_px);
   std::mt19937 random(look.seed);
   std::normal_distribution<double> noise(0.0, 1.0);
