@@ -34,7 +34,7 @@ void ClipLoader::decode(const std::stop_token& stop) {
   for (const auto& [number, name] : clips_) {
     recon::GeometryVideoReader video(recon::clip_video_of(character_, name));
     for (int frame = 0; frame < video.frame_count(); ++frame) {
-      auto image = video.read_in_place(frame, video.header().level);
+      auto image = video.read(frame, {.in_place = true, .drawn = true});
       std::unique_lock lock(mutex_);
       changed_.wait(lock, stop, [&] { return ready_.size() < kAhead; });
       if (stop.stop_requested()) return;

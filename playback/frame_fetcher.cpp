@@ -9,8 +9,8 @@ namespace {
 
 int frames_that_fit(const recon::GeometryVideoHeader& header, const FrameFetcherOptions& options) {
   const auto texels = [](int level) { return (std::size_t{1} << (2 * level)) + (std::size_t{2} << level) + 1; };
-  const std::size_t bytes = texels(options.level > 0 ? options.level : header.level) * 2 * sizeof(Eigen::Vector3f) +
-                            texels(header.colour_level) * (sizeof(recon::Colour) + 1);
+  const std::size_t bytes = texels(options.level > 0 ? options.level : header.level) * sizeof(Eigen::Vector3f) +
+                            texels(header.colour_level) * sizeof(recon::Colour);
   constexpr std::size_t kFewest = 4;
   return static_cast<int>(std::clamp(options.memory / bytes, kFewest, header.root_path.size() + kFewest));
 }
@@ -65,7 +65,7 @@ void FrameFetcher::decode(const std::stop_token& stop) {
     Image image;
     std::exception_ptr error;
     try {
-      image = std::make_shared<const recon::GeometryImage>(video_.read(frame, level_));
+      image = std::make_shared<const recon::GeometryImage>(video_.read(frame, {.level = level_, .drawn = true}));
     } catch (...) {
       error = std::current_exception();
     }

@@ -312,12 +312,15 @@ void TakeReconstruction::write_video() {
   header.fps = take_.info().fps;
   header.aligned = report_.alignment.has_value();
   header.first_frame = static_cast<std::int64_t>(first_);
+  MeanSurface mean;
   for (std::size_t frame = first_; frame < end_; ++frame) {
     const auto reason = store_->failure(frame);
-    add_frame(header, image_or_between(frame, mapped), {reason.has_value(), reason.value_or("")});
+    const auto image = image_or_between(frame, mapped);
+    add_frame(header, image, {reason.has_value(), reason.value_or("")});
+    mean.add(image.positions, header.root_path.back());
   }
   const auto folder = take_.folder() / "recon";
-  GeometryVideoWriter video(geometry_video_of(take_.folder()), header);
+  GeometryVideoWriter video(geometry_video_of(take_.folder()), header, mean);
   std::optional<PaperVideoWriter> paper;
   if (options_.paper) paper.emplace(folder / "geometry.avi", folder / "geometry.json", header);
   for (std::size_t frame = first_; frame < end_; ++frame) {

@@ -13,7 +13,7 @@ constexpr recon::Colour kNoColour{128, 128, 128};
 class StoredPainter : public FramePainter {
  public:
   StoredPainter(recon::GeometryVideoReader& video, const DrawOptions& options) : video_(video), options_(options) {}
-  void show(int frame) override { renderer_.upload(video_.read(frame)); }
+  void show(int frame) override { renderer_.upload(video_.read(frame, {.drawn = true})); }
   void draw(const Viewpoint& viewpoint) override { renderer_.draw(viewpoint, options_); }
 
  private:

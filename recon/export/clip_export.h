@@ -9,8 +9,9 @@
 //   bits),
 //        NAME-remap_info.json, NAME_colour/frame000012.png; NAME is the folder's. y up.
 // and geometry videos of other profiles, one file each:
-//   master, float, stream  (geometry_video.h); what is streamed is filtered along time first (temporal_filter.h)
-//   paper                  the paper's AVI and, beside it, its JSON (paper_video.h)
+//   master, float, stream  (geometry_video.h; *.avi: an AVI, with JSON and mean beside it); what is streamed is
+//   filtered along time first (temporal_filter.h) paper                  the paper's AVI and, beside it, its JSON
+//   (paper_video.h)
 // Numbers in file names are the take's. Surfaces that were interpolated are written like the others and counted.
 #include <cstddef>
 #include <cstdint>
@@ -30,6 +31,7 @@ struct ClipExportOptions {
   int first_frame = 0;           // of the video, counted from 0 ...
   int end_frame = 0;             // ... half-open; 0: all
   int level = 0;                 // (2^level + 1)^2 samples; 0: the video's own
+  double fps = 0.0;              // frames a second; 0: the video's own; else frames are made between its own
   bool morph = false;            // glb
   std::function<void(std::size_t done, std::size_t total)> progress;
   std::stop_token stop;

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <fstream>
 #include <system_error>
 
@@ -11,6 +13,12 @@
 #include "recon/sphere/octahedral_lattice.h"
 
 namespace rotunda::recon {
+namespace {
+
+constexpr double kMostFrameRate = 1000.0;
+constexpr double kOnFrame = 1e-6;  // of a frame: rates that divide each other meet their frames
+
+}  // namespace
 
 ClipExport::ClipExport(GeometryVideoReader& video, const ClipExportOptions& options)
     : video_(video), options_(options) {
@@ -24,15 +32,42 @@ ClipExport::ClipExport(GeometryVideoReader& video, const ClipExportOptions& opti
   if (options_.level < kMinLatticeLevel || options_.level > header.level)
     throw InvalidInput(fmt::format("the geometry video is of level {}; export 1 to {}, not {}", header.level,
                                    header.level, options_.level));
+  if (options_.fps == 0.0) options_.fps = header.fps;
+  if (!(options_.fps > 0.0 && options_.fps <= kMostFrameRate))
+    throw InvalidInput(fmt::format("{} frames a second are not to be had; up to {}", options_.fps, kMostFrameRate));
   report_.frames = static_cast<std::size_t>(count());
-  for (int i = options_.first_frame; i < options_.end_frame; ++i)
-    if (header.statuses[static_cast<std::size_t>(i)].interpolated) ++report_.interpolated;
+  for (int i = 0; i < count(); ++i)
+    if (status(i).interpolated) ++report_.interpolated;
+}
+
+// From the first frame to the last.
+int ClipExport::count() const {
+  const double last = options_.end_frame - 1 - options_.first_frame;
+  return static_cast<int>(std::floor(last * options_.fps / header().fps + kOnFrame)) + 1;
+}
+
+double ClipExport::place_of(int index) const {
+  return std::min(options_.first_frame + index * header().fps / options_.fps, options_.end_frame - 1.0);
+}
+
+Eigen::Vector3d ClipExport::root(int index) const {
+  const double place = place_of(index);
+  const auto before = static_cast<std::size_t>(place + kOnFrame);
+  const auto after = std::min(before + 1, header().root_path.size() - 1);
+  const auto &a = header().root_path[before], &b = header().root_path[after];
+  return a + std::max(0.0, place - static_cast<double>(before)) * (b - a);
+}
+
+FrameStatus ClipExport::status(int index) const {
+  const double place = place_of(index);
+  const auto& before = header().statuses[static_cast<std::size_t>(place + kOnFrame)];
+  return before.interpolated ? before : header().statuses[static_cast<std::size_t>(std::ceil(place - kOnFrame))];
 }
 
 GeometryImage ClipExport::read(int index) {
   if (options_.stop.stop_requested())
     throw std::system_error(std::make_error_code(std::errc::operation_canceled), "export");
-  auto image = video_.read(options_.first_frame + index, options_.level);
+  auto image = video_.read_between(place_of(index), options_.level);
   ++read_;
   if (options_.progress) options_.progress(read_, report_.frames * static_cast<std::size_t>(passes_));
   return image;

@@ -18,11 +18,11 @@ class ClipExport {
  public:
   ClipExport(GeometryVideoReader& video, const ClipExportOptions& options);
 
-  int count() const { return options_.end_frame - options_.first_frame; }
+  int count() const;
   int level() const { return options_.level; }
   int colour_level() const { return video_.header().colour_level; }
   bool morph() const { return options_.morph; }
-  double fps() const { return video_.header().fps; }
+  double fps() const { return options_.fps; }
   const std::filesystem::path& output() const { return options_.output; }
 
   // How often every frame will be read, for the progress.
@@ -31,15 +31,16 @@ class ClipExport {
   GeometryImage read(int index);
   const GeometryVideoHeader& header() const { return video_.header(); }
   int first_frame() const { return options_.first_frame; }  // of the video
-  const Eigen::Vector3d& root(int index) const {
-    return header().root_path[static_cast<std::size_t>(first_frame() + index)];
-  }
+  Eigen::Vector3d root(int index) const;
+  FrameStatus status(int index) const;                             // interpolated if one of the frames it is made of is
   std::string frame_name(int index, const char* extension) const;  // frame000012.obj
   void set_surface(std::size_t vertices, std::size_t triangles);
   void written(const std::filesystem::path& file);
   const ClipExportReport& report() const { return report_; }
 
  private:
+  double place_of(int index) const;  // in the video's frames, counted from its first
+
   GeometryVideoReader& video_;
   ClipExportOptions options_;
   ClipExportReport report_;

@@ -50,48 +50,26 @@ GeometryVideoHeader header_of(const ClipExport& clip, VideoProfile profile) {
   GeometryVideoHeader header;
   header.profile = profile;
   header.fps = clip.fps();
+  header.aligned = clip.header().aligned;
   header.first_frame = clip.header().first_frame + clip.first_frame();
   return header;
 }
 
 void add_to_header(GeometryVideoHeader& header, const ClipExport& clip, int index, const GeometryImage& image) {
-  add_frame(header, image, clip.header().statuses[static_cast<std::size_t>(clip.first_frame() + index)]);
+  add_frame(header, image, clip.status(index));
 }
 
-// Positions relative to their frame's root in the new video.
-Eigen::Vector3d in_place(const GeometryVideoHeader& header, int index, const Eigen::Vector3f& position) {
-  return position.cast<double>() - header.root_path[static_cast<std::size_t>(index)];
-}
-
-void export_lossless(ClipExport& clip, VideoProfile profile) {
+// Twice through the frames: for the header and the mean, then into the file.
+void export_frames(ClipExport& clip, VideoProfile profile, void (*for_each)(ClipExport&, const Visit&)) {
   clip.set_passes(2);
   auto header = header_of(clip, profile);
-  for_each_frame(clip, [&](int i, const GeometryImage& image) { add_to_header(header, clip, i, image); });
-  GeometryVideoWriter writer(clip.output(), header);
-  for_each_frame(clip, [&](int, const GeometryImage& image) { writer.write(image); });
-  writer.finish();
-}
-
-void export_stream(ClipExport& clip) {
-  clip.set_passes(3);
-  auto header = header_of(clip, VideoProfile::stream);
-  std::vector<Eigen::Vector3d> sum(lattice_size(clip.level()), Eigen::Vector3d::Zero());
-  for_each_filtered_frame(clip, [&](int i, const GeometryImage& image) {
+  MeanSurface mean;
+  for_each(clip, [&](int i, const GeometryImage& image) {
     add_to_header(header, clip, i, image);
-    for (std::size_t v = 0; v < sum.size(); ++v) sum[v] += in_place(header, i, image.positions[v]);
+    if (profile != VideoProfile::float32) mean.add(image.positions, header.root_path.back());
   });
-  std::vector<Eigen::Vector3f> mean;
-  for (const auto& s : sum) mean.push_back((s / clip.count()).cast<float>());
-  for_each_filtered_frame(clip, [&](int i, const GeometryImage& image) {
-    for (std::size_t v = 0; v < mean.size(); ++v)
-      header.difference_box.extend(in_place(header, i, image.positions[v]) - mean[v].cast<double>());
-  });
-  // What 16 bits take from the mean, the differences must hold.
-  const Eigen::Vector3d step = header.box.sizes() / 65535.0;
-  header.difference_box.extend(Eigen::Vector3d(header.difference_box.min() - step));
-  header.difference_box.extend(Eigen::Vector3d(header.difference_box.max() + step));
   GeometryVideoWriter writer(clip.output(), header, mean);
-  for_each_filtered_frame(clip, [&](int, const GeometryImage& image) { writer.write(image); });
+  for_each(clip, [&](int, const GeometryImage& image) { writer.write(image); });
   writer.finish();
 }
 
@@ -99,11 +77,13 @@ void export_stream(ClipExport& clip) {
 
 void export_video(ClipExport& clip, VideoProfile profile) {
   clip.set_surface(lattice_size(clip.level()), lattice_triangles(clip.level()).size());
-  if (profile == VideoProfile::stream)
-    export_stream(clip);
-  else
-    export_lossless(clip, profile);
+  export_frames(clip, profile, profile == VideoProfile::stream ? for_each_filtered_frame : for_each_frame);
   clip.written(clip.output());
+  if (clip.output().extension() != ".avi") return;
+  for (const char* ending : {".json", ".mean.png"}) {
+    const auto beside = clip.output().parent_path() / (clip.output().stem().string() + ending);
+    if (std::filesystem::exists(beside)) clip.written(beside);
+  }
 }
 
 void export_paper(ClipExport& clip) {

@@ -109,6 +109,7 @@ void cut_jumps(RecordedTakes& recorded, CharacterReport& report) {
 void write_clip(ClipSource& source, const GaitEvents& events, const fs::path& file) {
   std::vector<GeometryImage> images;
   GeometryVideoHeader header;
+  MeanSurface mean;
   header.fps = source.header().fps;
   header.first_frame = source.header().first_frame + source.first();
   for (int frame = 0; frame < source.frame_count(); ++frame) {
@@ -117,9 +118,10 @@ void write_clip(ClipSource& source, const GaitEvents& events, const fs::path& fi
     const Eigen::Vector2f way = (-events.floor_velocity * (frame / header.fps)).cast<float>();
     for (auto& position : image.positions) position.head<2>() += way;
     add_frame(header, image, source.header().statuses[static_cast<std::size_t>(source.first() + frame)]);
+    mean.add(image.positions, header.root_path.back());
     images.push_back(std::move(image));
   }
-  GeometryVideoWriter writer(file, header);
+  GeometryVideoWriter writer(file, header, mean);
   for (const auto& image : images) writer.write(image);
   writer.finish();
 }

@@ -69,9 +69,10 @@ GeometryVideoHeader parse(const json& j) {
   if (j.at("format").get<std::string>() != kFormat) corrupt("this is no geometry video");
   GeometryVideoHeader header;
   header.version = j.at("version").get<int>();
-  if (header.version != 1 && header.version != 2)
+  if (header.version < 1 || header.version > 3)
     corrupt(
-        fmt::format("version {}, this program reads versions 1 and 2; use the program that wrote it", header.version));
+        fmt::format("version {}, this program reads versions 1 to 3; use the program that wrote it", header.version));
+  header.from_mean = header.version == 3;
   if (header.version == 2) header.profile = profile_of(j.at("profile").get<std::string>());
   if (j.at("unit").get<std::string>() != "m") corrupt("unit is not \"m\"");
   header.level = level_of(j, "level");
@@ -82,9 +83,15 @@ GeometryVideoHeader parse(const json& j) {
   header.first_frame = j.at("first_frame").get<std::int64_t>();
   header.aligned = j.value("aligned", false);
   header.box = box_of(j, "box");
-  if (header.profile == VideoProfile::stream) header.difference_box = box_of(j, "difference_box");
+  header.from_mean = header.from_mean || header.profile == VideoProfile::stream;
+  if (header.from_mean) header.difference_box = box_of(j, "difference_box");
   read_frames(j.at("frames"), header);
   return header;
+}
+
+int version_of(const GeometryVideoHeader& header) {
+  if (header.profile != VideoProfile::master) return 2;
+  return header.from_mean ? 3 : 1;
 }
 
 }  // namespace
@@ -103,7 +110,7 @@ std::string to_json(const GeometryVideoHeader& header) {
     frames.push_back(std::move(frame));
   }
   json j = {{"format", kFormat},
-            {"version", header.profile == VideoProfile::master ? 1 : 2},
+            {"version", version_of(header)},
             {"unit", "m"},
             {"level", header.level},
             {"colour_level", header.colour_level},
@@ -113,7 +120,7 @@ std::string to_json(const GeometryVideoHeader& header) {
             {"frames", std::move(frames)}};
   if (header.aligned) j["aligned"] = true;
   if (header.profile != VideoProfile::master) j["profile"] = to_string(header.profile);
-  if (header.profile == VideoProfile::stream) j["difference_box"] = json_of(header.difference_box);
+  if (header.from_mean) j["difference_box"] = json_of(header.difference_box);
   return j.dump(1, ' ', false, json::error_handler_t::replace);
 }
 

@@ -1,7 +1,13 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
 #include <cstring>
+#include <fstream>
+#include <iterator>
 #include <opencv2/imgproc.hpp>
+#include <system_error>
 
 #include "config/errors.h"
 #include "recon/video/geometry_video.h"
@@ -13,8 +19,17 @@
 namespace rotunda::recon {
 namespace {
 
+constexpr std::size_t kCoverageStream = 2;
+
+std::string content_beside(const std::filesystem::path& file, const std::string& ending) {
+  const auto name = beside(file, ending);
+  std::ifstream in(name, std::ios::binary);
+  if (!in) throw std::system_error(errno, std::generic_category(), "reading " + name.string());
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
 GeometryVideoHeader read_header(const MediaReader& media, const std::filesystem::path& file) {
-  const std::string json = media.attachment(kHeaderMimeType);
+  const std::string json = is_avi(file) ? content_beside(file, ".json") : media.attachment(kHeaderMimeType);
   if (json.empty()) throw CorruptData(file, 0, "there is no geometry video header in it");
   try {
     return header_from_json(json);
@@ -45,10 +60,23 @@ std::vector<Colour> colours_of(const cv::Mat& bgr0) {
 
 PositionCoding read_coding(const MediaReader& media, const GeometryVideoHeader& header,
                            const std::filesystem::path& file) {
+  const bool is_beside = is_avi(file) && header.from_mean;
   try {
-    return PositionCoding(header, media.attachment(kMeanMimeType));
+    return PositionCoding(header, is_beside ? content_beside(file, ".mean.png") : media.attachment(kMeanMimeType));
   } catch (const CorruptData& error) {
     throw CorruptData(file, 0, error.what());
+  }
+}
+
+// a + share (b - a)
+void blend(GeometryImage& a, const GeometryImage& b, float share) {
+  for (std::size_t i = 0; i < a.positions.size(); ++i) a.positions[i] += share * (b.positions[i] - a.positions[i]);
+  a.normals = lattice_normals(a.positions, a.level);
+  for (std::size_t i = 0; i < a.colours.size(); ++i) {
+    for (std::size_t c = 0; c < 3; ++c)
+      a.colours[i][c] = static_cast<std::uint8_t>(std::lround((1.0F - share) * static_cast<float>(a.colours[i][c]) +
+                                                              share * static_cast<float>(b.colours[i][c])));
+    a.coverage[i] = std::min(a.coverage[i], b.coverage[i]);
   }
 }
 
@@ -64,20 +92,24 @@ struct GeometryVideoReader::State {
     media.expect(geometry_video_streams(header), header.fps);
   }
 
-  GeometryImage read(int frame, int level, bool in_place) {
+  GeometryImage read(int frame, const FrameReadOptions& options) {
+    const int level = options.level > 0 ? options.level : header.level;
     if (frame < 0 || frame >= header.frame_count())
       throw InvalidInput(fmt::format("there is no frame {}; the geometry video holds {}", frame, header.frame_count()));
-    if (level < 1 || level > header.level)
-      throw InvalidInput(fmt::format("there is no level {}; the geometry video holds 1 to {}", level, header.level));
-    const auto pictures = media.read(frame);
-    const Eigen::Vector3d root = in_place ? Eigen::Vector3d::Zero() : header.root_path[static_cast<std::size_t>(frame)];
+    if (options.level < 0 || level > header.level)
+      throw InvalidInput(
+          fmt::format("there is no level {}; the geometry video holds 1 to {}", options.level, header.level));
+    const auto pictures = media.read(frame, options.drawn ? kCoverageStream : MediaReader::kNone);
+    const Eigen::Vector3d root =
+        options.in_place ? Eigen::Vector3d::Zero() : header.root_path[static_cast<std::size_t>(frame)];
     GeometryImage image;
     image.level = level;
     image.positions = positions.decode(pictures, root, 1 << (header.level - level));
-    image.normals = lattice_normals(image.positions, level);
     image.colour_level = header.colour_level;
     image.colours = header.profile == VideoProfile::stream ? colours_of_ycbcr(pictures[1]) : colours_of(pictures[1][0]);
-    image.coverage.assign(pictures[2][0].datastart, pictures[2][0].dataend);
+    if (options.drawn) return image;
+    image.normals = lattice_normals(image.positions, level);
+    image.coverage.assign(pictures[kCoverageStream][0].datastart, pictures[kCoverageStream][0].dataend);
     return image;
   }
 };
@@ -95,13 +127,29 @@ int GeometryVideoReader::frame_count() const {
 }
 
 GeometryImage GeometryVideoReader::read(int frame) {
-  return state_->read(frame, state_->header.level, false);
+  return state_->read(frame, {});
 }
 GeometryImage GeometryVideoReader::read(int frame, int level) {
-  return state_->read(frame, level, false);
+  if (level < 1) throw InvalidInput(fmt::format("there is no level {} of a geometry video", level));
+  return state_->read(frame, {.level = level});
+}
+GeometryImage GeometryVideoReader::read(int frame, const FrameReadOptions& options) {
+  return state_->read(frame, options);
 }
 GeometryImage GeometryVideoReader::read_in_place(int frame, int level) {
-  return state_->read(frame, level, true);
+  return state_->read(frame, {.level = level, .in_place = true});
+}
+
+GeometryImage GeometryVideoReader::read_between(double at, int level) {
+  constexpr double kOnFrame = 1e-6;  // of a frame: rates that divide each other meet their frames
+  if (!(at >= -kOnFrame && at <= frame_count() - 1 + kOnFrame))
+    throw InvalidInput(fmt::format("there is no frame {}; the geometry video holds {}", at, frame_count()));
+  const double nearest = std::round(at);
+  if (!header().aligned || std::abs(at - nearest) <= kOnFrame) return read(static_cast<int>(nearest), level);
+  const int before = static_cast<int>(std::floor(at));
+  auto image = read(before, level);
+  blend(image, read(before + 1, level), static_cast<float>(at - before));
+  return image;
 }
 
 }  // namespace rotunda::recon

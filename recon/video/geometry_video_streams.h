@@ -1,5 +1,7 @@
 #pragma once
 // The layout of a geometry video's file, for its writer and its reader.
+#include <filesystem>
+#include <string>
 #include <vector>
 
 #include "recon/video/geometry_video.h"
@@ -10,12 +12,21 @@ namespace rotunda::recon {
 inline constexpr const char* kHeaderMimeType = "application/json";
 inline constexpr const char* kMeanMimeType = "application/octet-stream";  // FFmpeg shows pictures as video
 
+// An AVI has no attachments: they lie beside it, geometry.json and geometry.mean.png by geometry.avi.
+inline bool is_avi(const std::filesystem::path& file) {
+  return file.extension() == ".avi";
+}
+inline std::filesystem::path beside(std::filesystem::path file, const std::string& ending) {
+  return file.replace_extension() += ending;
+}
+
 // The first is (the upper half of) positions, then colours, coverage, and the lower half of the floats.
 inline std::vector<VideoStream> geometry_video_streams(const GeometryVideoHeader& header) {
   const int side = (1 << header.level) + 1, colour_side = (1 << header.colour_level) + 1;
   if (header.profile == VideoProfile::stream)
-    return {hevc_stream("position", "yuv444p12le", side, "qp=0"),
-            hevc_stream("colour", "yuv444p", colour_side, "crf=20"),
+    // Grain that pleases the eye is error in a position.
+    return {hevc_stream("position", "yuv444p12le", side, "qp=0:psy-rd=0:psy-rdoq=0"),
+            hevc_stream("colour", "yuv444p", colour_side, "crf=25"),
             hevc_stream("coverage", "gray", colour_side, "lossless=1")};
   std::vector<VideoStream> streams{lossless_stream("position", "yuv444p16le", side),
                                    lossless_stream("colour", "bgr0", colour_side),

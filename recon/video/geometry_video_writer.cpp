@@ -8,17 +8,30 @@
 #include "recon/video/geometry_video_streams.h"
 #include "recon/video/media_file.h"
 #include "recon/video/position_coding.h"
+#include "recon/whole_file.h"
 
 namespace rotunda::recon {
 namespace {
 
-MediaFileOptions media_options(const GeometryVideoHeader& header, const std::string& mean_png) {
-  MediaFileOptions options{.container = "matroska",
+MediaFileOptions media_options(const GeometryVideoHeader& header, const std::string& mean_png, bool avi) {
+  MediaFileOptions options{.container = avi ? "avi" : "matroska",
                            .fps = header.fps,
                            .streams = geometry_video_streams(header),
-                           .attachments = {{"geometry.json", kHeaderMimeType, to_json(header)}}};
+                           .attachments = {}};
+  if (avi) return options;
+  options.attachments.push_back({"geometry.json", kHeaderMimeType, to_json(header)});
   if (!mean_png.empty()) options.attachments.push_back({"mean.png", kMeanMimeType, mean_png});
   return options;
+}
+
+GeometryVideoHeader with_differences(GeometryVideoHeader header, const MeanSurface& mean) {
+  header.from_mean = !mean.empty();
+  if (header.from_mean && header.profile == VideoProfile::float32)
+    throw InvalidInput("a geometry video of profile float holds positions themselves, no differences from a mean");
+  if (!header.from_mean && header.profile == VideoProfile::stream)
+    throw InvalidInput("a geometry video to be streamed needs the mean of its positions");
+  if (header.from_mean) header.difference_box = difference_box(header, mean);
+  return header;
 }
 
 cv::Mat colour_plane(const GeometryImage& image) {
@@ -42,21 +55,31 @@ std::vector<cv::Mat> ycbcr_planes(const GeometryImage& image) {
 }  // namespace
 
 struct GeometryVideoWriter::State {
+  std::filesystem::path file;
+  std::string mean_png;
   GeometryVideoHeader header;
   PositionCoding positions;
   MediaWriter media;
   int written = 0;
 };
 
-GeometryVideoWriter::GeometryVideoWriter(const std::filesystem::path& file, const GeometryVideoHeader& header,
-                                         const std::vector<Eigen::Vector3f>& mean) {
+GeometryVideoWriter::GeometryVideoWriter(const std::filesystem::path& file, const GeometryVideoHeader& given,
+                                         const MeanSurface& mean) {
+  const auto header = with_differences(given, mean);
   constexpr int kCoarsestStream = 6;  // a HEVC picture holds at least one block of 64 x 64
   if (header.profile == VideoProfile::stream && header.level < kCoarsestStream)
     throw InvalidInput(
         fmt::format("a geometry video to be streamed has at least level {}, not {}", kCoarsestStream, header.level));
+  if (header.profile == VideoProfile::stream && is_avi(file))
+    throw InvalidInput(file.string() + ": AVI keeps the profiles master, float and paper; a stream is an .mkv");
   static_cast<void>(header_from_json(to_json(header)));  // what we write, we can read
-  const auto mean_png = header.profile == VideoProfile::stream ? encode_mean(header, mean) : std::string();
-  state_.reset(new State{header, PositionCoding(header, mean_png), {file, media_options(header, mean_png)}, 0});
+  const auto mean_png = header.from_mean ? encode_mean(header, mean.positions()) : std::string();
+  state_.reset(new State{file,
+                         mean_png,
+                         header,
+                         PositionCoding(header, mean_png),
+                         {file, media_options(header, mean_png, is_avi(file))},
+                         0});
 }
 
 GeometryVideoWriter::~GeometryVideoWriter() = default;
@@ -92,6 +115,10 @@ void GeometryVideoWriter::finish() {
   if (state_->written != state_->header.frame_count())
     throw InvalidInput(fmt::format("the geometry video's header holds {} frames, {} were written",
                                    state_->header.frame_count(), state_->written));
+  if (is_avi(state_->file)) {
+    if (!state_->mean_png.empty()) write_text(beside(state_->file, ".mean.png"), state_->mean_png);
+    write_text(beside(state_->file, ".json"), to_json(state_->header));
+  }
   state_->media.finish();
 }
 

@@ -73,8 +73,9 @@ class MediaReader {
   // What the file must hold, in order; nothing is decoded before this.
   void expect(std::span<const VideoStream> streams, double fps);
 
-  // The planes of every stream at frame `index`.
-  std::vector<std::vector<cv::Mat>> read(std::int64_t index);
+  static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
+  // The planes of every stream at frame `index`; of stream `without` none, and nothing of it is decoded.
+  std::vector<std::vector<cv::Mat>> read(std::int64_t index, std::size_t without = kNone);
 
  private:
   struct Input;

@@ -67,7 +67,8 @@ capture::AvCodec open_decoder(const AVStream& stream, const std::string& file) {
   decoder->thread_count = 1;                // frames come out as soon as they went in
   constexpr std::int64_t kAlignment = 128;  // the decoder pads its pictures
   decoder->max_pixels = (stream.codecpar->width + kAlignment) * (stream.codecpar->height + kAlignment);
-  decoder->err_recognition = AV_EF_CRCCHECK | AV_EF_EXPLODE;
+  decoder->err_recognition = AV_EF_EXPLODE;  // FFV1's checksums are checked before
+  if (stream.codecpar->codec_id != AV_CODEC_ID_FFV1) decoder->err_recognition |= AV_EF_CRCCHECK;
   capture::check(avcodec_open2(decoder.get(), nullptr, nullptr), file + ": opening the decoder");
   return decoder;
 }
@@ -85,7 +86,8 @@ struct MediaReader::Input {
   capture::AvInput demuxer;
   std::vector<StreamInput> streams;
   double fps = 25.0;
-  std::int64_t next = 0;  // the frame a sequential read finds without a seek
+  std::int64_t next = 0;                     // the frame a sequential read finds without a seek
+  std::size_t without = MediaReader::kNone;  // the stream that was left out so far
   capture::AvPacket packet = capture::make_packet();
   capture::AvFrame frame = capture::make_frame();
 
@@ -174,20 +176,23 @@ void MediaReader::expect(std::span<const VideoStream> streams, double fps) {
   if (found < streams.size()) input_->corrupt("stream " + streams[found].title + " is missing");
 }
 
-std::vector<std::vector<cv::Mat>> MediaReader::read(std::int64_t index) {
+std::vector<std::vector<cv::Mat>> MediaReader::read(std::int64_t index, std::size_t without) {
   Input& in = *input_;
-  if (index != in.next) in.seek(index);
-  in.next = -1;  // until the read has succeeded
+  if (index != in.next || without != in.without) in.seek(index);  // what was left out may stand on what went before
+  in.next = -1;                                                   // until the read has succeeded
+  in.without = without;
   std::vector<std::vector<cv::Mat>> pictures(in.streams.size());
-  for (std::size_t missing = pictures.size(); missing > 0;) {
+  for (std::size_t missing = pictures.size() - (without < pictures.size() ? 1 : 0); missing > 0;) {
     StreamInput* stream = in.next_packet();
     if (!stream) in.corrupt(fmt::format("frame {} is missing; the file is cut short", index));
+    const auto number = static_cast<std::size_t>(stream - in.streams.data());
+    if (number == without) continue;
     const std::int64_t found = in.frame_index(*stream);
     if (found < index) {
       if (!stands_alone(stream->expected)) in.decode(*stream, found);  // what comes after needs it
       continue;
     }
-    auto& picture = pictures[static_cast<std::size_t>(stream - in.streams.data())];
+    auto& picture = pictures[number];
     if (found > index || !picture.empty()) in.corrupt(fmt::format("frame {} is missing", index));
     picture = in.decode(*stream, index);
     --missing;

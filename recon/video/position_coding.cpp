@@ -1,5 +1,6 @@
 #include "recon/video/position_coding.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <opencv2/imgcodecs.hpp>
@@ -45,9 +46,9 @@ std::vector<Eigen::Vector3d> decode_mean(const GeometryVideoHeader& header, cons
 PositionCoding::PositionCoding(const GeometryVideoHeader& header, const std::string& mean_png)
     : profile_(header.profile),
       side_((1 << header.level) + 1),
-      box_(header.profile == VideoProfile::stream ? header.difference_box : header.box),
+      box_(header.from_mean ? header.difference_box : header.box),
       steps_(header.profile == VideoProfile::stream ? kSteps12 : kSteps16) {
-  if (profile_ == VideoProfile::stream) mean_ = decode_mean(header, mean_png);
+  if (header.from_mean) mean_ = decode_mean(header, mean_png);
 }
 
 std::vector<Planes> PositionCoding::encode(const std::vector<Eigen::Vector3f>& positions,
@@ -66,7 +67,7 @@ std::vector<Planes> PositionCoding::encode(const std::vector<Eigen::Vector3f>& p
         lower[i] = static_cast<std::uint16_t>(bits & 0xffff);
         continue;
       }
-      if (profile_ == VideoProfile::stream) value -= mean_[i][axis];
+      if (!mean_.empty()) value -= mean_[i][axis];
       upper[i] = step_of(value, low[axis], extent[axis], steps_);
     }
   }
@@ -96,12 +97,22 @@ std::vector<Eigen::Vector3f> PositionCoding::decode(std::span<const Planes> pict
         place += root;
       } else {
         place = low + metres_per_step.cwiseProduct(place);
-        if (profile_ == VideoProfile::stream) place += mean_[static_cast<std::size_t>(row * side_ + column)];
+        if (!mean_.empty()) place += mean_[static_cast<std::size_t>(row * side_ + column)];
       }
       positions.push_back(place.cast<float>());
     }
   }
   return positions;
+}
+
+Eigen::AlignedBox3d difference_box(const GeometryVideoHeader& header, const MeanSurface& mean) {
+  constexpr double kMasterStep = 39e-6;  // metres
+  const auto box = mean.differences();
+  // What 16 bits take from the mean, the differences must hold.
+  double edge = (box.sizes() + 2.0 * header.box.sizes() / kSteps16).maxCoeff();
+  if (header.profile == VideoProfile::master) edge = std::max(edge, kMasterStep * kSteps16);
+  const Eigen::Vector3d half = Eigen::Vector3d::Constant(0.5 * edge);
+  return {box.center() - half, box.center() + half};
 }
 
 std::string encode_mean(const GeometryVideoHeader& header, const std::vector<Eigen::Vector3f>& mean) {

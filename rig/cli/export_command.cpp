@@ -117,17 +117,23 @@ void add_export_command(CommandLine& line) {
       ->required()
       ->check(CLI::IsMember(kFormats));
   app->add_option("-o,--output", arguments->options.output,
-                  "FILE.glb, FILE.mkv, FILE.avi; obj, ply, vat, and of a character always: a folder")
+                  "FILE.glb; FILE.mkv, master and float also FILE.avi, paper FILE.avi; obj, ply, vat, and of a "
+                  "character always: a folder")
       ->required();
   app->add_option("--frames", arguments->frames, "A:B, half-open, counted from 0");
   app->add_option("--level", arguments->options.level, "(2^level + 1)^2 vertices; else as fine as the geometry video")
       ->check(CLI::Range(1, 12));
+  app->add_option(
+         "--fps", arguments->options.fps,
+         "frames a second; frames between the video's own are made where it is aligned, else the nearest serves")
+      ->check(CLI::Range(0.1, 1000.0));
   app->add_flag("--morph", arguments->options.morph,
                 "glb: one mesh with a morph target a frame, the first frame's colours for all");
   app->footer(
       "Examples:\n  rotunda export demo --to glb --level 7 -o demo.glb\n"
       "  rotunda export demo --to obj --frames 0:25 -o demo-obj\n"
       "  rotunda export demo --to stream -o demo.mkv\n"
+      "  rotunda export demo --to master --fps 60 -o smooth.mkv\n"
       "  rotunda export alex --to glb --level 6 -o alex-clips");
   app->callback([&line, arguments] {
     line.run = [&line, arguments](std::stop_token stop) { return export_video(line, *arguments, std::move(stop)); };

@@ -184,7 +184,8 @@ TEST_F(GeometryVideo, RefusesAbsurdHeaders) {
       EXPECT_THAT(error.what(), HasSubstr(says)) << to;
     }
   };
-  refused("\"version\": 1", "\"version\": 3", "version 3");
+  refused("\"version\": 1", "\"version\": 4", "version 4");
+  refused("\"version\": 1", "\"version\": 3", "difference_box");
   refused("\"version\": 1", "\"version\": 2", "profile");
   refused("\"version\": 1", "\"version\": 2, \"profile\": \"odd\"", "odd");
   refused("\"version\": 1", "\"version\": 2, \"profile\": \"stream\"", "difference_box");
@@ -255,36 +256,85 @@ TEST_F(GeometryVideo, NeverGivesWrongPixelsInSilence) {
   EXPECT_GT(right, 100);
 }
 
-// The ball as a header of another profile, its mean, and the box of what differs from it.
-struct Profiled {
+void write(const std::filesystem::path& file, const std::vector<GeometryImage>& images, VideoProfile profile,
+           bool aligned = false) {
   GeometryVideoHeader header;
-  std::vector<Eigen::Vector3f> mean;
-};
-Profiled profiled(const std::vector<GeometryImage>& images, VideoProfile profile) {
-  Profiled result;
-  auto& header = result.header;
   header.profile = profile;
-  for (const auto& image : images) add_frame(header, image);
-  const auto in_place = [&](std::size_t frame, std::size_t v) -> Eigen::Vector3f {
-    return images[frame].positions[v] - header.root_path[frame].cast<float>();
-  };
-  for (std::size_t v = 0; v < images[0].positions.size(); ++v) {
-    Eigen::Vector3f sum = Eigen::Vector3f::Zero();
-    for (std::size_t frame = 0; frame < images.size(); ++frame) sum += in_place(frame, v);
-    result.mean.emplace_back(sum / static_cast<float>(images.size()));
-    for (std::size_t frame = 0; frame < images.size(); ++frame)
-      header.difference_box.extend((in_place(frame, v) - result.mean.back()).cast<double>());
+  header.aligned = aligned;
+  MeanSurface mean;
+  for (const auto& image : images) {
+    add_frame(header, image);
+    if (profile != VideoProfile::float32) mean.add(image.positions, header.root_path.back());
   }
-  const Eigen::Vector3d slack = Eigen::Vector3d::Constant(1e-4);
-  header.difference_box = {header.difference_box.min() - slack, header.difference_box.max() + slack};
-  return result;
-}
-
-void write(const std::filesystem::path& file, const std::vector<GeometryImage>& images, VideoProfile profile) {
-  const auto [header, mean] = profiled(images, profile);
   GeometryVideoWriter writer(file, header, mean);
   for (const auto& image : images) writer.write(image);
   writer.finish();
+}
+
+TEST_F(GeometryVideo, OfProfileMasterWithAMeanIsAsTrueAndSmaller) {
+  const auto images = travelling_ball(12, 6);
+  write_geometry_video(folder_ / "without.mkv", images);
+  for (const char* name : {"with.mkv", "with.avi"}) {
+    write(folder_ / name, images, VideoProfile::master);
+    EXPECT_LT(std::filesystem::file_size(folder_ / name), std::filesystem::file_size(folder_ / "without.mkv")) << name;
+    GeometryVideoReader reader(folder_ / name);
+    EXPECT_EQ(reader.header().version, 3);
+    for (const int frame : {11, 0, 5}) {  // half a step of 0.039 mm along each axis
+      EXPECT_LT(largest_distance(reader.read(frame), images[static_cast<std::size_t>(frame)]), 3.6e-5F) << name;
+      EXPECT_EQ(reader.read(frame).colours, images[static_cast<std::size_t>(frame)].colours);
+    }
+  }
+}
+
+TEST_F(GeometryVideo, AsAviLiesBesideItsHeader) {
+  const auto images = travelling_ball(3, 4);
+  const auto avi = folder_ / "geometry.avi";
+  write(avi, images, VideoProfile::float32);
+  EXPECT_LT(largest_distance(GeometryVideoReader(avi).read(2), images[2]), 5e-7F);
+  write(avi, images, VideoProfile::master);
+  std::filesystem::remove(folder_ / "geometry.mean.png");
+  EXPECT_THROW(GeometryVideoReader{avi}, std::system_error);
+  std::filesystem::remove(folder_ / "geometry.json");
+  EXPECT_THROW(GeometryVideoReader{avi}, std::system_error);
+  EXPECT_THROW(write(folder_ / "stream.avi", travelling_ball(2, 6), VideoProfile::stream), InvalidInput);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "stream.avi"));
+}
+
+TEST_F(GeometryVideo, ReadForDrawingIsTheSameWithoutNormalsAndCoverage) {
+  const auto images = travelling_ball(5, 6);
+  for (const auto profile : {VideoProfile::master, VideoProfile::stream}) {
+    write(file_, images, profile);
+    GeometryVideoReader whole(file_), drawn(file_);
+    for (const int frame : {0, 1, 4, 2}) {
+      const auto expected = whole.read(frame);
+      const auto image = drawn.read(frame, {.drawn = true});
+      EXPECT_EQ(image.positions, expected.positions);
+      EXPECT_EQ(image.colours, expected.colours);
+      EXPECT_TRUE(image.normals.empty() && image.coverage.empty());
+      EXPECT_EQ(drawn.read(frame).coverage, expected.coverage) << frame;  // what was left out comes back whole
+    }
+    const auto coarse = drawn.read(3, {.level = 4, .in_place = true, .drawn = true});
+    EXPECT_EQ(coarse.positions, whole.read_in_place(3, 4).positions);
+  }
+}
+
+TEST_F(GeometryVideo, BetweenFramesIsTheirBlendWhereSamplesCorrespond) {
+  const auto images = travelling_ball(4, 4);
+  write(file_, images, VideoProfile::master, /*aligned=*/true);
+  GeometryVideoReader reader(file_);
+  const auto between = reader.read_between(1.25, 4);
+  for (std::size_t v = 0; v < between.positions.size(); ++v) {
+    const Eigen::Vector3f expected = 0.75F * images[1].positions[v] + 0.25F * images[2].positions[v];
+    ASSERT_LT((between.positions[v] - expected).norm(), 5e-5F);
+    ASSERT_NEAR(between.normals[v].norm(), 1.0F, 1e-5F);
+  }
+  EXPECT_EQ(between.colours[7][0], 1);  // 1 and 2, a quarter of the way
+  EXPECT_EQ(reader.read_between(2.0, 4).positions, reader.read(2).positions);
+  EXPECT_THROW(reader.read_between(3.5, 4), InvalidInput);
+  EXPECT_THROW(reader.read_between(-0.5, 4), InvalidInput);
+  write(file_, images, VideoProfile::master, /*aligned=*/false);
+  GeometryVideoReader apart(file_);
+  EXPECT_EQ(apart.read_between(1.25, 4).positions, apart.read(1).positions);
 }
 
 TEST_F(GeometryVideo, OfProfileFloatKeepsWhatFloatsHold) {
