@@ -63,32 +63,6 @@ std::vector<std::size_t> spread(std::size_t count, int wanted) {
   return chosen;
 }
 
-Row camera_row(const capture::TakeReader& take, const ContactSheetOptions& options) {
-  Row row;
-  for (const auto camera : spread(take.info().cameras.size(), options.cameras)) {
-    auto picture = capture::picture_of(take.read(options.frame, camera));
-    const auto& name = take.info().cameras[camera].name;
-    auto caption = picture.rgb.empty() ? fmt::format("{}: {}", name, picture.missing_because)
-                                       : fmt::format("{}, frame {}", name, options.frame);
-    row.push_back({std::move(picture.rgb), std::move(caption)});
-  }
-  return row;
-}
-
-Row matte_row(const capture::TakeReader& take, const ContactSheetOptions& options) {
-  const auto studio = recon::read_take_studio(take, std::nullopt);
-  auto set = take.read(options.frame);
-  const auto chosen = spread(set.slots.size(), options.cameras);
-  for (std::size_t i = 0; i < set.slots.size(); ++i)
-    if (!std::binary_search(chosen.begin(), chosen.end(), i)) set.slots[i].frame.reset();
-  recon::StageClock clock;
-  const auto views = recon::key_frame(set, studio.views, recon::given_mattes(take, options.frame), clock);
-  Row row;
-  for (std::size_t i = 0; i < views.cameras.size(); ++i)
-    row.push_back({views.mattes[i].alpha, views.cameras[i].name + ", matte"});
-  return row;
-}
-
 Eigen::AlignedBox3d box_of(const recon::GeometryImage& image) {
   Eigen::AlignedBox3d box;
   for (const auto& position : image.positions) box.extend(position.cast<double>());
@@ -131,6 +105,32 @@ Row view_row(const recon::GeometryImage& image, const ContactSheetOptions& optio
 }
 
 }  // namespace
+
+Row camera_row(const capture::TakeReader& take, const ContactSheetOptions& options) {
+  Row row;
+  for (const auto camera : spread(take.info().cameras.size(), options.cameras)) {
+    auto picture = capture::picture_of(take.read(options.frame, camera));
+    const auto& name = take.info().cameras[camera].name;
+    auto caption = picture.rgb.empty() ? fmt::format("{}: {}", name, picture.missing_because)
+                                       : fmt::format("{}, frame {}", name, options.frame);
+    row.push_back({std::move(picture.rgb), std::move(caption)});
+  }
+  return row;
+}
+
+Row matte_row(const capture::TakeReader& take, const ContactSheetOptions& options) {
+  const auto studio = recon::read_take_studio(take, std::nullopt);
+  auto set = take.read(options.frame);
+  const auto chosen = spread(set.slots.size(), options.cameras);
+  for (std::size_t i = 0; i < set.slots.size(); ++i)
+    if (!std::binary_search(chosen.begin(), chosen.end(), i)) set.slots[i].frame.reset();
+  recon::StageClock clock;
+  const auto views = recon::key_frame(set, studio.views, recon::given_mattes(take, options.frame), clock);
+  Row row;
+  for (std::size_t i = 0; i < views.cameras.size(); ++i)
+    row.push_back({views.mattes[i].alpha, views.cameras[i].name + ", matte"});
+  return row;
+}
 
 cv::Mat tile(const std::vector<Row>& rows, const ContactSheetOptions& options) {
   std::size_t columns = 1;

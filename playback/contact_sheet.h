@@ -6,6 +6,9 @@
 #include <string>
 #include <vector>
 
+namespace rotunda::capture {
+class TakeReader;
+}
 namespace rotunda::recon {
 class GeometryVideoReader;
 }
@@ -31,6 +34,9 @@ struct CaptionedPicture {
   cv::Mat picture;  // CV_8UC1, CV_8UC3 (RGB) or CV_8UC4 (RGBA, on dark grey)
   std::string caption;
 };
+// Of cameras spread over the rig: their pictures, their mattes.
+std::vector<CaptionedPicture> camera_row(const capture::TakeReader& take, const ContactSheetOptions& options);
+std::vector<CaptionedPicture> matte_row(const capture::TakeReader& take, const ContactSheetOptions& options);
 cv::Mat tile(const std::vector<std::vector<CaptionedPicture>>& rows, const ContactSheetOptions& options);
 
 }  // namespace rotunda::playback

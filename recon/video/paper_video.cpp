@@ -87,6 +87,17 @@ Colour colour_of(const cv::Vec3f& bgr) {
           cv::saturate_cast<std::uint8_t>(bgr[0])};
 }
 
+GeometryImage image_of(const cv::Mat& positions, const cv::Mat& colours, int level, const Eigen::Vector3d& root) {
+  GeometryImage image;
+  image.level = image.colour_level = level;
+  image.positions = closed(positions, image.side(), position_of);
+  for (Eigen::Vector3f& position : image.positions) position += root.cast<float>();
+  image.normals = lattice_normals(image.positions, image.level);
+  image.colours = closed(colours, image.side(), colour_of);
+  image.coverage.assign(image.colours.size(), 255);
+  return image;
+}
+
 GeometryVideoHeader read_header(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
   if (!in) throw std::system_error(errno, std::generic_category(), "reading " + file.string());
@@ -147,6 +158,10 @@ void write_paper_video(const std::filesystem::path& avi, const std::filesystem::
   writer.finish();
 }
 
+GeometryImage as_paper_stores(const GeometryImage& image, const Eigen::Vector3d& root) {
+  return image_of(position_levels(image, root), colour_levels(image), image.level, root);
+}
+
 struct PaperVideoReader::State {
   GeometryVideoHeader header;
   MediaReader media;
@@ -168,15 +183,8 @@ GeometryImage PaperVideoReader::read(int frame) {
     throw InvalidInput(
         fmt::format("there is no frame {}; the paper video holds {}", frame, state_->header.frame_count()));
   const auto pictures = state_->media.read(frame);
-  GeometryImage image;
-  image.level = image.colour_level = state_->header.level;
-  image.positions = closed(pictures[0][0], image.side(), position_of);
-  const Eigen::Vector3f root = state_->header.root_path[static_cast<std::size_t>(frame)].cast<float>();
-  for (Eigen::Vector3f& position : image.positions) position += root;
-  image.normals = lattice_normals(image.positions, image.level);
-  image.colours = closed(pictures[1][0], image.side(), colour_of);
-  image.coverage.assign(image.colours.size(), 255);
-  return image;
+  return image_of(pictures[0][0], pictures[1][0], state_->header.level,
+                  state_->header.root_path[static_cast<std::size_t>(frame)]);
 }
 
 }  // namespace rotunda::recon

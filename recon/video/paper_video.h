@@ -31,6 +31,10 @@ class PaperVideoWriter {
 void write_paper_video(const std::filesystem::path& avi, const std::filesystem::path& json,
                        std::span<const GeometryImage> images, double fps = 25.0);
 
+// What is left of a frame after it was stored so: positions relative to `root` at whole centimetres, colours at the
+// positions' level, the border filled as below.
+GeometryImage as_paper_stores(const GeometryImage& image, const Eigen::Vector3d& root);
+
 // Reads it back in the world. The border is filled by the mean of the interior samples that meet there: the paper
 // keeps it open. Colours are at the positions' level. Throws CorruptData and std::system_error.
 class PaperVideoReader {

@@ -9,6 +9,7 @@
 #include "config/exit_code.h"
 #include "playback/character_window.h"
 #include "playback/contact_sheet.h"
+#include "playback/paper_figures.h"
 #include "playback/player.h"
 #include "recon/live_take.h"
 #include "recon/motion/character.h"
@@ -66,9 +67,41 @@ json header_report(const recon::GeometryVideoHeader& header) {
     if (header.statuses[static_cast<std::size_t>(i)].interpolated)
       failed.push_back(
           {{"frame", header.first_frame + i}, {"reason", header.statuses[static_cast<std::size_t>(i)].reason}});
-  return {{"frames", header.frame_count()}, {"first_frame", header.first_frame},   {"fps", header.fps},
-          {"level", header.level},          {"colour_level", header.colour_level}, {"aligned", header.aligned},
+  const Eigen::Vector3d size = header.box.sizes(), way = header.root_path.back() - header.root_path.front();
+  return {{"version", header.version},
+          {"profile", recon::to_string(header.profile)},
+          {"frames", header.frame_count()},
+          {"first_frame", header.first_frame},
+          {"fps", header.fps},
+          {"level", header.level},
+          {"colour_level", header.colour_level},
+          {"aligned", header.aligned},
+          {"box_m", {size.x(), size.y(), size.z()}},
+          {"root_moved_m", way.norm()},
           {"interpolated", failed}};
+}
+
+void print_contents(const recon::GeometryVideoHeader& header, const json& report) {
+  fmt::print("{} frames from {} on at {} Hz, level {}, {}, {} interpolated\n", header.frame_count(), header.first_frame,
+             header.fps, header.level, header.aligned ? "aligned" : "not aligned", report["interpolated"].size());
+  const Eigen::Vector3d size = header.box.sizes();
+  fmt::print(
+      "profile {}, version {}, colours of level {}; within {:.2f} x {:.2f} x {:.2f} m about the root, which moves "
+      "{:.2f} m\n",
+      recon::to_string(header.profile), header.version, header.colour_level, size.x(), size.y(), size.z(),
+      report["root_moved_m"].get<double>());
+  for (const auto& frame : report["interpolated"])
+    fmt::print("  frame {} interpolated: {}\n", frame["frame"].get<std::int64_t>(), frame["reason"].get<std::string>());
+}
+
+int draw_figure(const CommandLine& line, const std::string& clip, const fs::path& picture, std::size_t frame,
+                int figure) {
+  const auto take = find_take(line, clip);
+  const playback::ContactSheetOptions options{.frame = frame, .tile_width = 240, .tile_height = 320};
+  capture::write_png(picture, figure == 1 ? playback::figure_of_stages(take, options)
+                                          : playback::figure_of_quantisation(take, options));
+  if (!line.json) fmt::print("{}\n", picture.string());
+  return kDone;
 }
 
 int show(const CommandLine& line, const std::string& clip, const fs::path& picture, std::size_t frame) {
@@ -84,9 +117,7 @@ int show(const CommandLine& line, const std::string& clip, const fs::path& pictu
   if (line.json)
     fmt::print("{}\n", report.dump(2));
   else
-    fmt::print("{} frames from {} on at {} Hz, level {}, {}, {} interpolated\n", video.frame_count(),
-               video.header().first_frame, video.header().fps, video.header().level,
-               video.header().aligned ? "aligned" : "not aligned", report["interpolated"].size());
+    print_contents(video.header(), report);
   return kDone;
 }
 
@@ -102,6 +133,8 @@ void add_play(CommandLine& line) {
   auto is_live = std::make_shared<bool>(false);
   auto* live_flag = what->add_flag("--live", *is_live, "the surfaces that the daemon makes while cameras run");
   app->add_flag("--fullscreen", options->fullscreen, "fill the screen");
+  app->add_option("--level", options->level, "of detail, (2^level + 1)^2 vertices; else as fine as the geometry video")
+      ->check(CLI::Range(1, 12));
   auto* picture =
       app->add_option("--picture", live->picture,
                       "of live surfaces: write the newest, or the take's middle one, as a PNG; needs no display");
@@ -141,11 +174,20 @@ void add_show(CommandLine& line) {
   app->add_option("clip", *clip, "a take, by name or path, or a geometry video's file")->required();
   app->add_option("--picture", *picture, "write a contact sheet of the take, or frames of the geometry video (PNG)");
   app->add_option("--frame", *frame, "of the contact sheet")->capture_default_str();
+  auto figure = std::make_shared<int>(0);
+  app->add_option("--figure", *figure,
+                  "with --picture, of a take: as the first paper's figure 1 (one frame through the stages) or 4 "
+                  "(quantised at 1 cm, not quantised, view-dependent)")
+      ->check(CLI::IsMember({1, 4}));
   app->footer(
-      "Examples:\n  rotunda show demo --picture contact.png\n"
+      "Examples:\n  rotunda show demo --picture contact.png\n  rotunda show demo --figure 1 --picture stages.png\n"
       "  rotunda show takes/demo/recon/geometry.mkv --picture frames.png");
-  app->callback([&line, clip, picture, frame] {
-    line.run = [&line, clip, picture, frame](std::stop_token) { return show(line, *clip, *picture, *frame); };
+  app->callback([&line, clip, picture, frame, figure] {
+    line.run = [&line, clip, picture, frame, figure](std::stop_token) {
+      if (*figure == 0) return show(line, *clip, *picture, *frame);
+      if (picture->empty()) throw InvalidInput("--figure is a picture; say with --picture FILE.png where it goes");
+      return draw_figure(line, *clip, *picture, *frame, *figure);
+    };
   });
 }
 

@@ -123,6 +123,16 @@ TEST_F(MeshCommand, ExportsAGeometryVideo) {
   const auto outcome = rotunda({"export", clip, "--to", "ply", "-o", (folder() / "out").string(), "--json"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_EQ(nlohmann::json::parse(outcome.out).at("frames"), 2);
+  const auto smooth = (folder() / "smooth.avi").string();
+  const auto faster = rotunda({"export", clip, "--to", "master", "--fps", "50", "--level", "4", "-o", smooth});
+  ASSERT_EQ(faster.exit_code, 0) << faster.err;
+  const auto shown = rotunda({"show", smooth, "--json"});
+  ASSERT_EQ(shown.exit_code, 0) << shown.err;
+  const auto contents = nlohmann::json::parse(shown.out);
+  EXPECT_EQ(contents.at("profile"), "master");
+  EXPECT_EQ(contents.at("frames"), 3);
+  EXPECT_EQ(contents.at("fps"), 50.0);
+  EXPECT_EQ(contents.at("level"), 4);
   const auto onto_itself = rotunda({"export", clip, "--to", "master", "-o", clip});
   EXPECT_EQ(onto_itself.exit_code, 3);
   EXPECT_THAT(onto_itself.err, HasSubstr("another name"));
