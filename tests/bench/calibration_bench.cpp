@@ -26,6 +26,7 @@
 #include "simulator/studio/camera_layout.h"
 #include "tests/bench/calibration_scene.h"
 #include "tests/bench/opencv_chain.h"
+#include "tests/bench/own_calibration.h"
 
 namespace rotunda::bench {
 namespace {
@@ -65,22 +66,13 @@ std::vector<Eigen::Vector3d> in_picture(const CameraModel& camera, const std::ve
 }
 
 Figures figures_of(const std::vector<CameraModel>& found, const std::vector<CameraModel>& truth) {
-  const auto n = static_cast<Eigen::Index>(truth.size());
-  Eigen::Matrix3Xd a(3, n), b(3, n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    a.col(i) = found[static_cast<std::size_t>(i)].centre();
-    b.col(i) = truth[static_cast<std::size_t>(i)].centre();
-  }
-  const Eigen::Matrix4d T = Eigen::umeyama(a, b, false);
-  const Eigen::Matrix3d turn = T.topLeftCorner<3, 3>();
-  const Eigen::Vector3d shift = T.topRightCorner<3, 1>();
+  const auto aligned = aligned_cameras(found, truth);
+  const auto n = static_cast<double>(truth.size());
   Figures figures;
   for (std::size_t i = 0; i < truth.size(); ++i) {
-    CameraModel camera = found[i];
-    camera.R = Eigen::Matrix3d(found[i].R * turn.transpose());
-    camera.t = found[i].t - camera.R * shift;
+    const CameraModel& camera = aligned[i];
     const double off = 1e3 * (camera.centre() - truth[i].centre()).norm();
-    figures.centre_mean += off / static_cast<double>(n);
+    figures.centre_mean += off / n;
     figures.centre_worst = std::max(figures.centre_worst, off);
     const double angle = Eigen::AngleAxisd(camera.R * truth[i].R.transpose()).angle() * 180.0 / std::numbers::pi;
     figures.rotation_worst = std::max(figures.rotation_worst, angle);
@@ -91,7 +83,7 @@ Figures figures_of(const std::vector<CameraModel>& found, const std::vector<Came
         sum += (*pixel - *capture::project(truth[i], point)).norm();
         ++count;
       }
-    figures.reprojection_mean += sum / std::max(1, count) / static_cast<double>(n);
+    figures.reprojection_mean += sum / std::max(1, count) / n;
     figures.reprojection_worst = std::max(figures.reprojection_worst, sum / std::max(1, count));
   }
   return figures;

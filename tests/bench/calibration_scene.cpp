@@ -108,9 +108,7 @@ cv::Mat green_as_sent(const simulator::ScenePicture& picture) {
   return green;
 }
 
-Scene shown(std::string name, const Board& board, const simulator::Performance& performance,
-            const std::vector<double>& seconds) {
-  Scene scene{.name = std::move(name), .board = board, .truth = rig()};
+Scene shown(Scene scene, const simulator::Performance& performance, const std::vector<double>& seconds) {
   const simulator::SceneRenderer studio(performance, scene.truth);
   scene.grey.resize(scene.truth.size());
   for (std::size_t moment = 0; moment < seconds.size(); ++moment) {
@@ -128,16 +126,21 @@ Scene show_alone(const std::string& name, const Board& board) {
   const BoardShow show(figure_of(board), tests::board_walk(kMoments));
   std::vector<double> seconds;
   for (int i = 0; i < kMoments; ++i) seconds.push_back(i * simulator::kActStep);
-  return shown(name, board, show, seconds);
+  return shown({.name = name, .board = board, .truth = rig()}, show, seconds);
 }
 
 Scene show_carried() {
+  return show_carried(rig());
+}
+
+Scene show_carried(const std::vector<CameraModel>& cameras) {
   const auto performance = simulator::make_performance({.person = "alex", .act = "board"});
   std::vector<double> seconds;
   for (int i = 0; i < kMoments; ++i)
     seconds.push_back(i * (simulator::kBoardLaidSeconds + 2.5) / (kMoments - 1));  // the last lie on the floor
   const simulator::CharucoPattern pattern;
-  return shown("carried", {.square = pattern.square, .marker = pattern.marker}, *performance, seconds);
+  const Board board{.square = pattern.square, .marker = pattern.marker};
+  return shown({.name = "carried", .board = board, .truth = cameras}, *performance, seconds);
 }
 
 }  // namespace rotunda::bench

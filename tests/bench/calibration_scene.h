@@ -22,7 +22,9 @@ struct Scene {
 // Sixty moments of the board alone, held still at places all over the volume.
 Scene show_alone(const std::string& name, const capture::Board& board);
 
-// Sixty moments of the act "board": a person carries it through the volume and lays it on the floor.
+// Sixty moments of the act "board": a person carries it through the volume and lays it on the floor. Before a rig with
+// strongly distorting lenses, or these cameras.
 Scene show_carried();
+Scene show_carried(const std::vector<capture::CameraModel>& cameras);
 
 }  // namespace rotunda::bench

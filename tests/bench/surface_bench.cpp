@@ -2,10 +2,10 @@
 // surface lies from the body that cast them: ten 720 x 576 cameras, 10 mm cells.
 //   surface_bench [BODY.ply] [--runs N]; without a body, a person of capsules
 //   surface_bench --truth fitted|held-out [--keep DIR]: what each rung gains on rendered people (surface_ladder.h)
-//   surface_bench --fit [--keep DIR]: how the law by rim distance was chosen (rim_law_search.h)
+//   surface_bench --growth [--keep DIR]: time and memory of the whole surface by cell, pictures matched
+//   (surface_growth.h) surface_bench --fit [--keep DIR]: how the law by rim distance was chosen (rim_law_search.h)
 // Silhouettes of a mesh are its triangles filled at eight times the size. Prints medians.
 #include <fmt/format.h>
-#include <sys/resource.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -26,6 +26,7 @@
 #include "recon/mesh/mesh_file.h"
 #include "simulator/studio/camera_layout.h"
 #include "tests/bench/rim_law_search.h"
+#include "tests/bench/surface_growth.h"
 #include "tests/bench/surface_ladder.h"
 #include "tests/support/capsule_body.h"
 
@@ -134,28 +135,6 @@ void print_distance(const char* name, const recon::TriangleMesh& mesh, const rec
              1e3 * sum / static_cast<double>(accuracy.size()), 1e3 * accuracy[accuracy.size() * 95 / 100], share);
 }
 
-// Without decimation, whose cost is of the triangles it takes away.
-void print_growth(const std::vector<capture::CameraModel>& cameras, const std::vector<capture::Matte>& mattes,
-                  recon::SurfaceOptions options, int runs) {
-  options.triangles = 0;
-  options.collapse_slivers = false;
-  std::vector<double> cpu;
-  for (const double cell : {0.020, 0.010, 0.005}) {
-    options.cell_size = cell;
-    Cost cost;
-    recon::SurfaceResult result;
-    for (int run = 0; run < runs; ++run)
-      time_step(cost, [&] { result = recon::reconstruct_surface(cameras, mattes, options); });
-    cpu.push_back(median(cost.cpu_ms));
-    rusage usage{};
-    getrusage(RUSAGE_SELF, &usage);
-    fmt::print("cells of {:2.0f} mm: cpu {:8.1f} ms   {:7} triangles   peak memory so far {:.0f} MB\n", 1e3 * cell,
-               cpu.back(), result.report.triangles, static_cast<double>(usage.ru_maxrss) / 1024.0);
-  }
-  fmt::print("growth exponent 20 to 10 mm {:.2f}, 10 to 5 mm {:.2f} (a dense grid: 3)\n", std::log2(cpu[1] / cpu[0]),
-             std::log2(cpu[2] / cpu[1]));
-}
-
 void print_stages(const char* name, const std::vector<capture::CameraModel>& cameras,
                   const std::vector<capture::Matte>& mattes, const recon::SurfaceOptions& options) {
   const auto report = recon::reconstruct_surface(cameras, mattes, options).report;
@@ -201,7 +180,9 @@ void measure(const std::string& body, int runs) {
              result.report.triangles, result.failure.empty() ? "" : ", failed: " + result.failure);
   print_stages("full, silhouettes alone", cameras, mattes, options);
   print_stages("live", cameras, mattes, recon::live_surface(options));
-  print_growth(cameras, mattes, options, runs);
+  options.triangles = 0;  // the cost of decimation is of the triangles it takes away
+  options.collapse_slivers = false;
+  bench::print_growth(recon::silhouette_views(cameras, mattes), {}, options, runs);
   if (truth.triangles.empty()) return;
   print_distance("hull", hull, truth);
   print_distance("surface", result.mesh, truth);
@@ -218,13 +199,15 @@ int main(int argc, char** argv) {
   app.add_option("--truth", truth,
                  "measure every rung on rendered people instead: those that laws were fitted on, or others")
       ->check(CLI::IsMember({"fitted", "held-out"}));
-  bool fit = false;
+  bool fit = false, growth = false;
   app.add_flag("--fit", fit, "search the law by rim distance anew, on the rendered people it was fitted on");
+  app.add_flag("--growth", growth, "time and memory from 20 to 5 mm cells of a rendered person, pictures matched");
   app.add_option("--keep", keep, "leave rendered pictures here for the next time");
   CLI11_PARSE(app, argc, argv);
   try {
     if (fit) bench::search_rim_law(bench::fitted_studies(), keep);
-    if (!fit && truth.empty()) measure(body, runs);
+    if (growth) bench::print_growth(bench::held_out_studies().front(), keep, runs);
+    if (!fit && !growth && truth.empty()) measure(body, runs);
     if (truth == "fitted") bench::print_ladder(bench::fitted_studies(), keep);
     if (truth == "held-out") bench::print_ladder(bench::held_out_studies(), keep);
     return kDone;

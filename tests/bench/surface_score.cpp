@@ -1,6 +1,7 @@
 #include "tests/bench/surface_score.h"
 
 #include <cmath>
+#include <numbers>
 
 #include "recon/colour/visibility.h"
 
@@ -21,9 +22,30 @@ std::vector<double> distances(const std::vector<Eigen::Vector3d>& points, const 
   return result;
 }
 
+// Twice its area long.
+Eigen::Vector3d normal_of(const recon::TriangleMesh& mesh, std::size_t triangle) {
+  const auto corner = [&](std::size_t i) -> Eigen::Vector3d {
+    return mesh.positions[mesh.triangles[triangle][i]].cast<double>();
+  };
+  return (corner(1) - corner(0)).cross(corner(2) - corner(0));
+}
+
 }  // namespace
 
-SurfaceJudge::SurfaceJudge(const recon::TriangleMesh& truth) : tree_(truth), points_(area_points(truth)) {}
+SurfaceJudge::SurfaceJudge(const recon::TriangleMesh& truth)
+    : truth_(truth), tree_(truth), points_(area_points(truth)) {}
+
+double SurfaceJudge::normals_off(const recon::TriangleMesh& surface) const {
+  double sum = 0.0, area = 0.0;
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+    for (const auto v : surface.triangles[t]) middle += surface.positions[v].cast<double>() / 3.0;
+    const Eigen::Vector3d own = normal_of(surface, t), true_one = normal_of(truth_, tree_.nearest(middle).triangle);
+    sum += own.norm() * std::atan2(own.cross(true_one).norm(), own.dot(true_one));
+    area += own.norm();
+  }
+  return sum / area * 180.0 / std::numbers::pi;
+}
 
 SurfaceScore SurfaceJudge::score(const recon::TriangleMesh& surface) const {
   auto both = distances(points_, tests::DistanceTree(surface));
@@ -33,7 +55,7 @@ SurfaceScore SurfaceJudge::score(const recon::TriangleMesh& surface) const {
   both.insert(both.end(), back.begin(), back.end());
   std::sort(both.begin(), both.end());
   const double sum = std::accumulate(both.begin(), both.end(), 0.0);
-  return {sum / static_cast<double>(both.size()), both[both.size() * 95 / 100], within};
+  return {sum / static_cast<double>(both.size()), both[both.size() * 95 / 100], within, normals_off(surface)};
 }
 
 double outline_overlap(const recon::TriangleMesh& surface, const std::vector<capture::CameraModel>& cameras,

@@ -1,5 +1,6 @@
 #pragma once
-// How near a surface comes to the true one: symmetric distance and completeness. Millimetres.
+// How near a surface comes to the true one: symmetric distance and completeness, millimetres; and how its shape agrees,
+// whatever the distance: steps and dents turn the normals.
 #include <vector>
 
 #include "capture/camera_model.h"
@@ -12,6 +13,7 @@ namespace rotunda::bench {
 struct SurfaceScore {
   double mean = 0.0, p95 = 0.0;  // of both ways together, as many points of area each
   double within_10mm = 0.0;      // share of the truth that the surface comes so near
+  double normals_off_deg = 0.0;  // mean angle between its normals and those of the truth nearest to them
 };
 
 // One truth for many surfaces. Lends the mesh.
@@ -21,6 +23,9 @@ class SurfaceJudge {
   SurfaceScore score(const recon::TriangleMesh& surface) const;
 
  private:
+  double normals_off(const recon::TriangleMesh& surface) const;
+
+  const recon::TriangleMesh& truth_;
   tests::DistanceTree tree_;
   std::vector<Eigen::Vector3d> points_;
 };

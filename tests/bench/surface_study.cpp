@@ -13,6 +13,7 @@
 #include "simulator/studio/camera_layout.h"
 #include "simulator/studio/pixel_encoding.h"
 #include "simulator/studio/scene_renderer.h"
+#include "tests/bench/own_calibration.h"
 
 namespace rotunda::bench {
 namespace {
@@ -31,10 +32,11 @@ class MomentSource {
   MomentSource(const SurfaceStudy& study, const fs::path& keep)
       : study_(study), folder_(keep.empty() ? fs::path() : keep / study.name()) {
     if (!folder_.empty()) fs::create_directories(folder_);
+    if (study.own_calibration) own_cameras_ = own_calibration(study.rig, study.cameras, keep);
   }
 
   SurfaceMoment moment(int frame) {
-    SurfaceMoment moment{fmt::format("{}-{:03}", study_.name(), frame), study_.cameras, {}, {}, {}, {}};
+    SurfaceMoment moment{.name = fmt::format("{}-{:03}", study_.name(), frame), .cameras = study_.cameras};
     std::vector<simulator::ScenePicture> pictures;
     const auto picture = [&](std::size_t i) -> const simulator::ScenePicture& {
       if (pictures.empty())
@@ -45,7 +47,11 @@ class MomentSource {
       moment.pictures.push_back(get(name("picture", frame, i), 3, [&] { return as_received(picture(i).deep); }));
       moment.truth.push_back({get(name("truth", frame, i), 1, [&] { return picture(i).matte; })});
     }
-    moment.mattes = keyed(moment.pictures, frame);
+    moment.mattes = keyed("key", moment.pictures, frame, study_.cameras);
+    if (study_.own_calibration) {
+      moment.own_cameras = own_cameras_;
+      moment.own_mattes = keyed("own-key", moment.pictures, frame, own_cameras_);
+    }
     moment.body = body(frame);
     return moment;
   }
@@ -72,24 +78,26 @@ class MomentSource {
     return body;
   }
 
-  std::vector<capture::Matte> keyed(const std::vector<cv::Mat>& pictures, int frame) {
+  std::vector<capture::Matte> keyed(const char* kept, const std::vector<cv::Mat>& pictures, int frame,
+                                    const std::vector<capture::CameraModel>& cameras) {
     std::vector<capture::Matte> mattes;
     std::optional<recon::SupportedMattes> supported;
     const auto supported_matte = [&](std::size_t i) {
       if (!supported)
-        supported = recon::supported_mattes(study_.cameras, alone(pictures), {.bounds = simulator::kStageVolume});
+        supported = recon::supported_mattes(cameras, alone(pictures, cameras), {.bounds = simulator::kStageVolume});
       return supported->mattes[i].alpha;
     };
     for (std::size_t i = 0; i < pictures.size(); ++i)
-      mattes.push_back({get(name("key", frame, i), 1, [&] { return supported_matte(i); })});
+      mattes.push_back({get(name(kept, frame, i), 1, [&] { return supported_matte(i); })});
     return mattes;
   }
 
-  std::vector<capture::Matte> alone(const std::vector<cv::Mat>& pictures) {
+  std::vector<capture::Matte> alone(const std::vector<cv::Mat>& pictures,
+                                    const std::vector<capture::CameraModel>& cameras) {
     std::vector<capture::Matte> mattes;
     for (std::size_t i = 0; i < pictures.size(); ++i) {
       const cv::Mat plate = get(fmt::format("plate{:02}", i), 3, [&] { return as_received(studio().clean_plate(i)); });
-      const cv::Mat stage = capture::stage_mask(study_.cameras[i], simulator::kStageVolume);
+      const cv::Mat stage = capture::stage_mask(cameras[i], simulator::kStageVolume);
       mattes.push_back(capture::chroma_key(pictures[i], {.backdrop = {}, .stage = stage}, plate));
     }
     return mattes;
@@ -105,6 +113,7 @@ class MomentSource {
   }
 
   const SurfaceStudy& study_;
+  std::vector<capture::CameraModel> own_cameras_;
   fs::path folder_;
   std::unique_ptr<simulator::Performance> performance_;
   std::unique_ptr<simulator::SceneRenderer> studio_;

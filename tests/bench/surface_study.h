@@ -16,6 +16,7 @@ struct SurfaceStudy {
   std::vector<int> frames;  // of the act
   std::string rig;          // name of the cameras
   std::vector<capture::CameraModel> cameras;
+  bool own_calibration = false;  // calibrate the rig as well
   std::string name() const { return person + "-" + act + "-" + rig; }
 };
 
@@ -29,7 +30,10 @@ struct SurfaceMoment {
   std::vector<cv::Mat> pictures;       // RGB, as a take has them
   std::vector<capture::Matte> truth;   // the figures' share of each pixel
   std::vector<capture::Matte> mattes;  // of the full key, cleaned up across the views
-  recon::TriangleMesh body;            // true surface, world, metres
+  // The same by the rig's own calibration from a board walk (own_calibration.h), where the study asks for it.
+  std::vector<capture::CameraModel> own_cameras;
+  std::vector<capture::Matte> own_mattes;
+  recon::TriangleMesh body;  // true surface, world, metres
 };
 
 // `keep`: a folder where pictures and mattes are left and taken from the next time; none if empty.

@@ -46,10 +46,16 @@ class DistanceTree {
     build(0, order_.size());
   }
 
-  double distance(const Eigen::Vector3d& p) const {
-    double best = std::numeric_limits<double>::infinity();
+  double distance(const Eigen::Vector3d& p) const { return nearest(p).distance; }
+
+  struct Nearest {
+    double distance = std::numeric_limits<double>::infinity();
+    std::uint32_t triangle = 0;
+  };
+  Nearest nearest(const Eigen::Vector3d& p) const {
+    Nearest best;  // of the distance squared, meanwhile
     search(0, p, best);
-    return std::sqrt(best);
+    return {std::sqrt(best.distance), best.triangle};
   }
 
  private:
@@ -81,13 +87,14 @@ class DistanceTree {
     return at;
   }
 
-  void search(std::size_t at, const Eigen::Vector3d& p, double& best) const {
+  void search(std::size_t at, const Eigen::Vector3d& p, Nearest& best) const {
     const auto& node = nodes_[at];
-    if (node.box.squaredExteriorDistance(p) >= best) return;
+    if (node.box.squaredExteriorDistance(p) >= best.distance) return;
     if (node.right == 0) {
       for (auto i = node.begin; i < node.end; ++i) {
         const auto t = order_[i];
-        best = std::min(best, (closest_on_triangle(p, corner(t, 0), corner(t, 1), corner(t, 2)) - p).squaredNorm());
+        const double squared = (closest_on_triangle(p, corner(t, 0), corner(t, 1), corner(t, 2)) - p).squaredNorm();
+        if (squared < best.distance) best = {squared, t};
       }
       return;
     }
