@@ -119,7 +119,7 @@ std::string TakeReconstruction::settings_json() const {
     numbers.insert(numbers.end(), camera.distortion.data(), camera.distortion.data() + 5);
     cameras.push_back(numbers);
   }
-  nlohmann::json settings{{"version", 5},
+  nlohmann::json settings{{"version", 6},
                           {"quality", options_.quality == Quality::live ? "live" : "full"},
                           {"paper", options_.paper},
                           {"tolerate_misses", options_.tolerate_misses},

@@ -11,8 +11,8 @@
 #include "recon/hull/capture_volume.h"
 #include "recon/hull/lost_parts.h"
 #include "recon/hull/marching_cubes.h"
-#include "recon/hull/photo_fit.h"
 #include "recon/hull/photo_hull.h"
+#include "recon/hull/photo_match.h"
 #include "recon/hull/rim_fit.h"
 #include "recon/hull/rims.h"
 #include "recon/hull/visual_hull.h"
@@ -125,7 +125,7 @@ bool is_full(const SilhouetteView& view) {
 // Why no point of the volume lies inside all silhouettes, as far as they tell.
 std::string nothing_inside(std::span<const SilhouetteView> views, const SurfaceOptions& options) {
   const std::string what = "empty hull: no point of the volume lies inside all silhouettes";
-  if (!options.bounds) return what;
+  if (!options.bounds) return what + ": check that calibration and mattes (--mattes) belong together";
   try {
     const auto found = capture_volume(views);
     return fmt::format(
@@ -175,24 +175,6 @@ std::vector<capture::CameraModel> cameras_of(std::span<const SilhouetteView> vie
   return cameras;
 }
 
-// Where the pictures agree, thrice, each time from nearer by; then back to the rims, which know better.
-void match(const SortedViews& views, std::span<const Rim> rims, const RimFitOptions& fit, const TriangleMesh& hull,
-           double metre, TriangleMesh& mesh) {
-  const auto distance = rim_distances(hull, rims, fit.cell_size, 2.0 * fit.law.farthest);
-  const auto cameras = cameras_of(views.with_silhouette);
-  constexpr double kDeepest = 0.032;  // metres: air between limbs that no silhouette shows
-  for (const double reach : {kDeepest, 0.5 * kDeepest, 0.25 * kDeepest}) {
-    compute_normals(mesh);
-    PhotoFitOptions options;
-    options.thinned = reach == kDeepest;
-    options.reach = reach * metre;
-    options.prior_sigma *= metre;
-    const auto offsets = photo_offsets(mesh, distance, photo_views(mesh, cameras, views.pictures), options);
-    for (std::size_t v = 0; v < offsets.size(); ++v) mesh.positions[v] += offsets[v] * mesh.normals[v];
-  }
-  pin_to_rims(mesh, hull, rims, fit);
-}
-
 // From the hull's surface to the body's.
 void draw_in(const SortedViews& views, const SurfaceOptions& options, SurfaceResult& result) {
   auto& report = result.report;
@@ -206,7 +188,8 @@ void draw_in(const SortedViews& views, const SurfaceOptions& options, SurfaceRes
   const auto fit = rim_fit_options(report.cell_size, metre, options.rim_stride);
   timed(report, "rim fit", [&] { fit_to_rims(result.mesh, rims, fit); });
   if (!options.match_pictures || views.pictures.empty()) return;
-  timed(report, "matching", [&] { match(views, rims, fit, hull, metre, result.mesh); });
+  const auto cameras = cameras_of(views.with_silhouette);
+  timed(report, "matching", [&] { match_to_pictures(result.mesh, {cameras, views.pictures, rims, hull, fit, metre}); });
 }
 
 std::vector<ViewShare> shares_of(std::span<const SilhouetteView> views, std::span<const double> shares) {

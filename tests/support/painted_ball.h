@@ -17,6 +17,7 @@ struct PaintedBall {
   Eigen::Vector3d dent{0.0, 0.0, 0.0};  // centre of the ball that is taken away
   double dent_radius = 0.0;             // 0: no dent
   double detail = 1.0;                  // of the pattern: 1 has waves of 65 to 170 mm, 4 of a quarter
+  double repeat = 0.0;                  // metres after which it is the same again along x, y and z; 0: never
 };
 
 // Positive inside.
@@ -34,6 +35,13 @@ inline cv::Vec3b paint_at(const Eigen::Vector3d& place, double detail) {
     return cv::saturate_cast<std::uint8_t>(128.0 + 38.0 * wave);
   };
   return {channel(41, 83, 59), channel(67, 37, 97), channel(53, 71, 89)};
+}
+
+inline cv::Vec3b paint_at(const PaintedBall& ball, const Eigen::Vector3d& place) {
+  if (ball.repeat <= 0.0) return paint_at(place, ball.detail);
+  const Eigen::Array3d turn = 2.0 * M_PI / ball.repeat * place.array();
+  const auto grey = cv::saturate_cast<std::uint8_t>(128.0 + 30.0 * turn.sin().sum());
+  return {grey, grey, grey};
 }
 
 // Where the ray first meets it.
@@ -66,7 +74,7 @@ inline PaintedView view_of(const PaintedBall& ball, const capture::CameraModel& 
       const auto middle = capture::ray_through(camera, {static_cast<double>(x), static_cast<double>(y)});
       const Eigen::Vector3d to = ball.centre - centre;
       if (!middle || (to - *middle * to.dot(*middle)).norm() > ball.radius + 0.1) continue;
-      if (const auto hit = first_hit(ball, centre, *middle)) view.rgb.at<cv::Vec3b>(y, x) = paint_at(*hit, ball.detail);
+      if (const auto hit = first_hit(ball, centre, *middle)) view.rgb.at<cv::Vec3b>(y, x) = paint_at(ball, *hit);
       int covered = 0;
       for (int i = 0; i < kSub * kSub; ++i) {
         const Eigen::Vector2d pixel(x + (i % kSub + 0.5) / kSub - 0.5, y + (i / kSub + 0.5) / kSub - 0.5);

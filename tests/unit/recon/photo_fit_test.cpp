@@ -2,38 +2,14 @@
 
 #include <gtest/gtest.h>
 
-#include "recon/hull/marching_cubes.h"
-#include "recon/hull/visual_hull.h"
-#include "simulator/studio/camera_layout.h"
-#include "tests/support/painted_ball.h"
+#include "recon/mesh/vertex_rings.h"
+#include "tests/support/painted_ball_scene.h"
 
 namespace rotunda::recon {
 namespace {
 
-// A closed mesh whose vertices lie `beside` the ball's surface.
-TriangleMesh ball_mesh(const tests::PaintedBall& ball, double beside) {
-  std::vector<Eigen::Vector3i> blocks;
-  for (int i = 0; i < 512; ++i) blocks.emplace_back(i % 8, i / 8 % 8, i / 64);
-  constexpr double kCell = 0.012;
-  SignedGrid grid(ball.centre - Eigen::Vector3d::Constant(32.0 * kCell), kCell, -0.1F, blocks);
-  for (VoxelId id = 0; id < grid.voxel_count(); ++id)
-    grid.set_value(id, static_cast<float>(ball.radius - (grid.position(id) - ball.centre).norm()));
-  auto mesh = marching_cubes(grid);
-  for (auto& position : mesh.positions)
-    position =
-        (ball.centre + (ball.radius + beside) * (position.cast<double>() - ball.centre).normalized()).cast<float>();
-  compute_normals(mesh);
-  return mesh;
-}
-
-struct Scene {
-  std::vector<capture::CameraModel> cameras =
-      simulator::camera_layout({.width = 360, .height = 288, .subject_height = 1.0});
-  std::vector<cv::Mat> pictures;
-  explicit Scene(const tests::PaintedBall& ball) {
-    for (const auto& camera : cameras) pictures.push_back(tests::view_of(ball, camera).rgb);
-  }
-};
+using tests::ball_mesh;
+using tests::PaintedBallScene;
 
 double mean_offset(const TriangleMesh& mesh, const std::vector<float>& offsets) {
   double sum = 0.0;
@@ -49,7 +25,7 @@ double mean_offset(const TriangleMesh& mesh, const std::vector<float>& offsets) 
 TEST(PhotoFit, FindsWhereThePicturesAgree) {
   tests::PaintedBall ball{{0.0, 0.0, 0.95}, 0.25};
   ball.detail = 4.0;
-  const Scene scene(ball);
+  const PaintedBallScene scene(ball);
   for (const double beside : {0.006, -0.004}) {
     const auto mesh = ball_mesh(ball, beside);
     const std::vector<float> far_from_rims(mesh.positions.size(), 0.1F);
@@ -63,6 +39,22 @@ TEST(PhotoFit, StaysWhereItIsWithoutPicturesOfIt) {
   const auto mesh = ball_mesh(ball, 0.006);
   const std::vector<float> distance(mesh.positions.size(), 0.1F);
   for (const float offset : photo_offsets(mesh, distance, {}, {})) ASSERT_NEAR(offset, 0.0F, 1e-6F);
+}
+
+TEST(PhotoFit, TakesNoStepBetweenNeighboursThatIsSteeperThanAllowed) {
+  const tests::PaintedBall ball{{0.0, 0.0, 0.95}, 0.25};
+  PaintedBallScene scene(ball);
+  cv::RNG random(1);  // pictures that agree here and there by chance
+  for (auto& picture : scene.pictures) random.fill(picture, cv::RNG::UNIFORM, 0, 256);
+  const auto mesh = ball_mesh(ball, 0.0);
+  const std::vector<float> distance(mesh.positions.size(), 0.1F);
+  const PhotoFitOptions options{.reach = 0.032, .smoothness = 0.01, .steepest = 0.25};
+  const auto offsets = photo_offsets(mesh, distance, photo_views(mesh, scene.cameras, scene.pictures), options);
+  EXPECT_GT(*std::max_element(offsets.begin(), offsets.end()), 1e-3F);
+  const VertexRings rings(mesh);
+  for (std::size_t v = 0; v < offsets.size(); ++v)
+    for (const auto n : rings[v])
+      ASSERT_LE(std::abs(offsets[v] - offsets[n]), 0.251F * (mesh.positions[v] - mesh.positions[n]).norm());
 }
 
 }  // namespace
