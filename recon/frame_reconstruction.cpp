@@ -1,5 +1,6 @@
 #include "recon/frame_reconstruction.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
@@ -22,6 +23,25 @@ capture::Matte matte_for(const capture::Image& image, const cv::Mat& picture, co
   if (camera < studio.live_keys.size() && studio.live_keys[camera]) return (*studio.live_keys[camera])(image);
   const cv::Mat stage = camera < studio.stages.size() ? studio.stages[camera] : cv::Mat();
   return capture::chroma_key(picture, {.backdrop = studio.backdrop, .stage = stage}, studio.backgrounds[camera]);
+}
+
+bool shows_somebody(const capture::Matte& matte) {
+  return cv::countNonZero(matte.alpha >= 128) > 0;
+}
+
+// Where the volume leaves fewer than two cameras anybody, all are keyed as if there were none: the surface will then
+// tell where the performer is instead. (In the volume there is nobody still: the pixels that see it are empty.)
+void look_beyond_volume(FrameViews& views, const std::vector<bool>& given, const StudioViews& studio) {
+  const auto seeing = std::count_if(views.mattes.begin(), views.mattes.end(), shows_somebody);
+  if (studio.stages.empty() || seeing >= 2) return;
+  views.silhouettes.clear();
+  for (std::size_t i = 0; i < views.mattes.size(); ++i) {
+    const auto camera = std::find_if(studio.cameras.begin(), studio.cameras.end(),
+                                     [&](const auto& model) { return model.name == views.cameras[i].name; });
+    const auto& plate = studio.backgrounds[static_cast<std::size_t>(camera - studio.cameras.begin())];
+    if (!given[i])
+      views.mattes[i] = capture::chroma_key(views.pictures[i], {.backdrop = studio.backdrop, .stage = {}}, plate);
+  }
 }
 
 // Mattes that somebody gave stay as they are, but have their say on the others.
@@ -92,7 +112,10 @@ FrameViews key_frame(const capture::FrameSet& frame_set, const StudioViews& stud
       return matte_for(frame_set.slots[i].frame->image, views.pictures.back(), studio, i);
     }));
   }
-  clock.run("support", [&] { keep_supported(views, is_given, studio); });
+  clock.run("support", [&] {
+    keep_supported(views, is_given, studio);
+    look_beyond_volume(views, is_given, studio);
+  });
   return views;
 }
 
