@@ -19,10 +19,11 @@ namespace rotunda::recon {
 namespace {
 
 capture::Matte matte_for(const capture::Image& image, const cv::Mat& picture, const StudioViews& studio,
-                         std::size_t camera) {
+                         std::size_t camera, const cv::Mat& held) {
   if (camera < studio.live_keys.size() && studio.live_keys[camera]) return (*studio.live_keys[camera])(image);
   const cv::Mat stage = camera < studio.stages.size() ? studio.stages[camera] : cv::Mat();
-  return capture::chroma_key(picture, {.backdrop = studio.backdrop, .stage = stage}, studio.backgrounds[camera]);
+  return capture::chroma_key(picture, {.backdrop = studio.backdrop, .stage = stage, .held = held},
+                             studio.backgrounds[camera]);
 }
 
 bool shows_somebody(const capture::Matte& matte) {
@@ -95,7 +96,7 @@ std::vector<ColourView> colour_views(const FrameViews& views) {
 }
 
 FrameViews key_frame(const capture::FrameSet& frame_set, const StudioViews& studio,
-                     std::span<const capture::Matte> given_mattes, StageClock& clock) {
+                     std::span<const capture::Matte> given_mattes, StageClock& clock, std::span<const cv::Mat> held) {
   FrameViews views;
   views.backdrop = studio.backdrop;
   std::vector<bool> is_given;
@@ -109,7 +110,8 @@ FrameViews key_frame(const capture::FrameSet& frame_set, const StudioViews& stud
     const bool given = i < given_mattes.size() && !given_mattes[i].alpha.empty();
     is_given.push_back(given);
     views.mattes.push_back(given ? given_mattes[i] : clock.run("key", [&] {
-      return matte_for(frame_set.slots[i].frame->image, views.pictures.back(), studio, i);
+      return matte_for(frame_set.slots[i].frame->image, views.pictures.back(), studio, i,
+                       i < held.size() ? held[i] : cv::Mat());
     }));
   }
   clock.run("support", [&] {

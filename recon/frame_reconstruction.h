@@ -45,10 +45,12 @@ struct FrameViews {
   std::vector<std::string> disagreeing;     // cameras whose mattes the others do not support
 };
 
-// `given_mattes` has a slot per camera as well (an empty alpha: key it); an empty span: key all. What is keyed in a
-// known volume keeps only what the other views support (hull/matte_support.h).
+// `given_mattes` has a slot per camera as well (an empty alpha: key it); an empty span: key all. So has `held`
+// (capture/matte/chroma_key.h); an empty span: nothing is. What is keyed in a known volume keeps only what the other
+// views support (hull/matte_support.h).
 FrameViews key_frame(const capture::FrameSet& frame_set, const StudioViews& studio,
-                     std::span<const capture::Matte> given_mattes, StageClock& clock);
+                     std::span<const capture::Matte> given_mattes, StageClock& clock,
+                     std::span<const cv::Mat> held = {});
 
 // What surface_colour() wants of them: their own light, without spill (recon/colour/surface_colour.h).
 std::vector<ColourView> colour_views(const FrameViews& views);

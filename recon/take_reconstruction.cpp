@@ -19,6 +19,7 @@
 #include "recon/frame_reconstruction.h"
 #include "recon/frame_report.h"
 #include "recon/mesh/mesh_file.h"
+#include "recon/neighbour_mattes.h"
 #include "recon/take_cameras.h"
 #include "recon/take_plates.h"
 #include "recon/take_studio.h"
@@ -76,6 +77,7 @@ class TakeReconstruction {
   std::size_t first_ = 0, end_ = 0;
   std::optional<FrameStore> store_;
   StageClock clock_;
+  std::optional<NeighbourMattes> neighbours_;
   std::optional<MappedSurface> previous_;  // of the last mapped frame, in order
   std::mutex done_mutex_;
   std::size_t done_ = 0;
@@ -158,6 +160,7 @@ void TakeReconstruction::reconstruct_frames() {
   clock_.run("plates", [&] { learn_missing_plates(take_, studio_.views); });
   clock_.run("cameras", [&] { check_cameras(); });
   if (options_.quality == Quality::live) make_live_keys(take_, studio_.views);
+  neighbours_.emplace(take_, studio_.views, clock_, jobs);
   std::size_t next = first_;
   const auto source = [&](tbb::flow_control& control) -> std::size_t {
     for (; next < end_ && !stop_.stop_requested() && store_->finished(next); ++next) {
@@ -195,7 +198,9 @@ void TakeReconstruction::check_cameras() {
 
 TakeReconstruction::Work TakeReconstruction::begin(std::size_t frame) {
   const auto set = clock_.run("read", [&] { return take_.read(frame); });
-  Work work{.frame = frame, .views = key_frame(set, studio_.views, given_mattes(take_, frame), clock_), .mapped = {}};
+  Work work{.frame = frame,
+            .views = key_frame(set, studio_.views, given_mattes(take_, frame), clock_, neighbours_->held(frame)),
+            .mapped = {}};
   if (options_.mattes) export_mattes(set, work.views, frame);
   work.mapped = map_frame(work.views, surface_options_, clock_);
   return work;
@@ -253,7 +258,7 @@ void TakeReconstruction::export_mesh(std::size_t frame, const TriangleMesh& mesh
 void TakeReconstruction::export_resumed(std::size_t frame) {
   if (!options_.meshes && !options_.mattes) return;
   const auto set = take_.read(frame);
-  const auto views = key_frame(set, studio_.views, given_mattes(take_, frame), clock_);
+  const auto views = key_frame(set, studio_.views, given_mattes(take_, frame), clock_, neighbours_->held(frame));
   if (options_.mattes) export_mattes(set, views, frame);
   if (!options_.meshes || store_->failure(frame)) return;
   auto mesh = store_->surface(frame).mesh;

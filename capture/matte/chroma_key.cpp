@@ -24,6 +24,8 @@ constexpr float kBareLead = -0.1F;        // the plate's own colour stands at -0
 constexpr int kBareGap = 3;               // pixels of it that make a gap
 constexpr int kSmallestPiece = 4000;      // a picture's area over this is the smallest piece of performer kept
 constexpr int kSmallestHole = 20000;
+constexpr double kHalf = 127.0;    // of alpha
+constexpr int kHeldDepth = 3;      // pixels inside the outline: there a mixture with the backdrop is none of its edge
 constexpr int kOverexposed = 250;  // grey levels: what the sensor or its curve cannot tell from white
 constexpr float kUnlit = 28.0F;    // grey levels, mean of a whole row or column: black level and ringing, no light
 constexpr int kSpoiltLines = 4;    // pixels
@@ -41,7 +43,8 @@ struct Inside {
   cv::Mat bare;       // CV_8UC1, 255 where it is plainly the backdrop: no cloth is as blue as a screen
 };
 
-Inside by_chroma(const cv::Mat& log_rgb, const cv::Mat& log_plate, const KeyChannels& channels) {
+// Where `held` (empty: nowhere) is set the limit is that of the plain backdrop.
+Inside by_chroma(const cv::Mat& log_rgb, const cv::Mat& log_plate, const KeyChannels& channels, const cv::Mat& held) {
   const float least = std::log(kDarkest + kLogOffset);
   Inside inside;
   for (auto* mask : {&inside.all, &inside.firm, &inside.unlit, &inside.bare}) mask->create(log_rgb.size(), CV_8UC1);
@@ -50,11 +53,13 @@ Inside by_chroma(const cv::Mat& log_rgb, const cv::Mat& log_plate, const KeyChan
     const auto* plate = log_plate.ptr<cv::Vec3f>(y);
     auto *all = inside.all.ptr<std::uint8_t>(y), *firm = inside.firm.ptr<std::uint8_t>(y);
     auto *unlit = inside.unlit.ptr<std::uint8_t>(y), *bare = inside.bare.ptr<std::uint8_t>(y);
+    const auto* is_held = held.empty() ? nullptr : held.ptr<std::uint8_t>(y);
     for (int x = 0; x < log_rgb.cols; ++x) {
       const float lead = key_lead(cv::Vec3f(pixel[x] - plate[x]), channels);
       const bool lit = pixel[x][channels.far] > least;
-      all[x] = lit && lead > 0.0F ? 255 : 0;
-      firm[x] = lit && lead > kFirmLead ? 255 : 0;
+      const bool hold = is_held && is_held[x];
+      all[x] = lit && lead > (hold ? kBareLead : 0.0F) ? 255 : 0;
+      firm[x] = lit && lead > (hold ? kBareLead : kFirmLead) ? 255 : 0;
       unlit[x] = lit ? 0 : 255;
       bare[x] = lit && lead < kBareLead ? 255 : 0;
     }
@@ -169,8 +174,9 @@ void check(const cv::Mat& rgb, const ChromaKeyOptions& options, const cv::Mat& b
         fmt::format("the background is {} x {} pixels, the picture {} x {}; record the empty studio with "
                     "the same camera settings",
                     background.cols, background.rows, rgb.cols, rgb.rows));
-  if (!options.stage.empty() && (options.stage.size() != rgb.size() || options.stage.type() != CV_8UC1))
-    throw InvalidInput("the stage's mask is not of the picture's size");
+  for (const auto* mask : {&options.stage, &options.held})
+    if (!mask->empty() && (mask->size() != rgb.size() || mask->type() != CV_8UC1))
+      throw InvalidInput("the stage's mask, or that of the performer held, is not of the picture's size");
   if (options.method == KeyMethod::difference && background.empty())
     throw InvalidInput("keying by difference needs a picture of the empty studio (--background)");
 }
@@ -186,7 +192,7 @@ Matte chroma_key(const cv::Mat& rgb, const ChromaKeyOptions& options, const cv::
   cv::Mat log_plate = plate.empty() ? fit_plate(rgb, backdrop) : log_picture(plate);
   if (log_plate.empty()) return {cv::Mat::zeros(rgb.size(), CV_8UC1)};
   if (!plate.empty() && !difference) log_plate += light_change(log_rgb, log_plate, backdrop);
-  Inside inside = by_chroma(log_rgb, log_plate, key_channels(log_plate, backdrop));
+  Inside inside = by_chroma(log_rgb, log_plate, key_channels(log_plate, backdrop), options.held);
   if (!plate.empty()) {
     const cv::Mat screen = difference ? cv::Mat::zeros(rgb.size(), CV_8UC1) : backdrop_mask(plate, backdrop);
     tell_by_difference(log_rgb, log_plate, screen, inside);
@@ -195,6 +201,15 @@ Matte chroma_key(const cv::Mat& rgb, const ChromaKeyOptions& options, const cv::
   drop_stray_pieces(inside.all, rgb, lit_area(rgb));
   fill_holes(inside);
   return edge_matte(rgb, background.empty() ? picture_of_log(log_plate) : background, inside.all, inside.firm);
+}
+
+cv::Mat held_between(const Matte& before, const Matte& after) {
+  if (before.alpha.empty() || after.alpha.empty()) return {};
+  if (before.alpha.size() != after.alpha.size()) throw InvalidInput("mattes of one camera differ in size");
+  cv::Mat held;
+  cv::erode((before.alpha > kHalf) & (after.alpha > kHalf), held,
+            cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * kHeldDepth + 1, 2 * kHeldDepth + 1}));
+  return held;
 }
 
 }  // namespace rotunda::capture

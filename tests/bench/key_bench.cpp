@@ -277,6 +277,31 @@ void print_learnt_plates(const std::vector<KeyStudy>& studies, const Options& op
   write_worst(options, "take", worst);
 }
 
+// Each frame alone, and held by what the frames 40 ms before and after it show.
+void print_held_between(const std::vector<KeyStudy>& studies, const Options& options) {
+  std::map<std::string, MatteTotals> totals;
+  for (auto study : studies) {
+    if (!options.person.empty() && study.person != options.person) continue;
+    const int middle = study.frames.front();
+    study.frames = {middle - 1, middle, middle + 1};
+    const auto rendered = render(study, options.keep);
+    for (std::size_t i = 0; i < study.cameras.size(); ++i) {
+      const cv::Mat stage = capture::stage_mask(study.cameras[i], simulator::kStageVolume);
+      std::vector<Matte> alone;
+      for (const auto& moment : rendered.moments)
+        alone.push_back(capture::chroma_key(capture::to_rgb(moment.views[i].image), {.backdrop = {}, .stage = stage},
+                                            rendered.plates[i]));
+      const auto& view = rendered.moments[1].views[i];
+      const auto held = capture::chroma_key(
+          capture::to_rgb(view.image),
+          {.backdrop = {}, .stage = stage, .held = capture::held_between(alone[0], alone[2])}, rendered.plates[i]);
+      totals["key alone"].add(matte_score(alone[1].alpha, view.truth));
+      totals["held between"].add(matte_score(held.alpha, view.truth));
+    }
+  }
+  for (const auto& [name, sums] : totals) print("over time", name, sums);
+}
+
 // Ten cameras' images of one moment, as the live way has them.
 void print_live_speed(const KeyStudy& study, const std::string& keep) {
   const auto rendered = render(study, keep);
@@ -314,9 +339,10 @@ int run(int argc, char** argv) {
   try {
     if (!options.pictures.empty()) std::filesystem::create_directories(options.pictures);
     const auto studies = options.development ? development_studies() : held_out_studies();
-    KeyBench(options).run(studies);
-    print_learnt_plates(studies, options);
     print_live_speed(studies.front(), options.keep);
+    KeyBench(options).run(studies);
+    print_held_between(studies, options);
+    print_learnt_plates(studies, options);
     return kDone;
   } catch (...) {
     return report_current_exception("key_bench");

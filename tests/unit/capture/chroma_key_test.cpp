@@ -149,6 +149,35 @@ TEST(ChromaKey, KeepsASmallGapOpenThatThePerformerSurrounds) {
 }
 
 // A dark wall, in which the performer stands out by light alone.
+// A fold of the cloth that the screen's light made nearly as blue as the screen.
+cv::Mat with_blue_fold(cv::Mat rgb, const cv::Vec3f& linear) {
+  cv::Mat fold(rgb.size(), CV_8UC1, cv::Scalar(0));
+  cv::ellipse(fold, cv::Point(kCentre), {9, 14}, 0, 0, 360, cv::Scalar(255), cv::FILLED);
+  rgb.setTo(cv::Scalar(to_srgb(linear[0]), to_srgb(linear[1]), to_srgb(linear[2])), fold);
+  return rgb;
+}
+
+TEST(ChromaKey, TheFramesBeforeAndAfterHoldWhatOneFrameLoses) {
+  const auto whole = picture_of({}), plate = picture_of({}, false);
+  const auto fold = with_blue_fold(whole.clone(), {0.0253F, 0.055F, 0.255F});
+  const auto sure = chroma_key(whole, {}, plate), alone = chroma_key(fold, {}, plate);
+  ASSERT_LT(area_of(alone), area_of(sure) - 200.0) << "a fold that the key loses";
+  const auto held = chroma_key(fold, {.backdrop = {}, .held = held_between(sure, sure)}, plate);
+  EXPECT_NEAR(area_of(held), area_of(sure), 10.0);
+  const auto gap = with_blue_fold(whole.clone(), {0.017F, 0.051F, 0.255F});  // the screen itself
+  const auto open = chroma_key(gap, {.backdrop = {}, .held = held_between(sure, sure)}, plate);
+  EXPECT_NEAR(area_of(open), area_of(chroma_key(gap, {}, plate)), 5.0);
+  EXPECT_LT(area_of(open), area_of(sure) - 200.0);
+}
+
+TEST(ChromaKey, WhatIsThereInOneFrameOnlyStays) {
+  const auto whole = picture_of({}), plate = picture_of({}, false);
+  const Matte nobody{cv::Mat::zeros(whole.size(), CV_8UC1)};
+  const auto held = chroma_key(whole, {.backdrop = {}, .held = held_between(nobody, nobody)}, plate);
+  EXPECT_EQ(cv::countNonZero(held.alpha != chroma_key(whole, {}, plate).alpha), 0);
+  EXPECT_TRUE(held_between({}, nobody).empty());
+}
+
 TEST(ChromaKey, TellsThePerformerPastTheScreensEdgeByTheDifference) {
   cv::Mat plate = picture_of({}, false), rgb = picture_of({});
   const cv::Mat half = picture_of({.backdrop = {0.008F, 0.009F, 0.012F}});
