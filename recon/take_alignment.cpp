@@ -10,6 +10,7 @@
 #include <mutex>
 #include <nlohmann/json.hpp>
 
+#include "capture/base/sha256.h"
 #include "capture/take/take_reader.h"
 #include "config/errors.h"
 #include "recon/alignment_store.h"
@@ -72,6 +73,7 @@ class TakeAlignment {
   std::optional<BodyTrack> found_body();
   std::optional<AlignmentReference> own_reference(const BodyTrack& track);
   AlignmentReference foreign_reference(const std::optional<BodyTrack>& track) const;
+  fs::path joints_file() const;
   void open_store(const std::string& reference);
   void carry(const AlignmentReference& reference, const BodyTrack& track);
   void follow();
@@ -146,7 +148,7 @@ LoadSurface TakeAlignment::surfaces_from(std::size_t first) const {
 
 // The person's motion, kept beside the frames; none where nobody is found.
 std::optional<BodyTrack> TakeAlignment::found_body() {
-  const auto file = take_.folder() / "recon" / "frames" / "joints.json";
+  const auto file = joints_file();
   if (fs::exists(file)) {
     const auto track = read_joints_json(file);
     if (track.first_frame <= first_ && track.first_frame + track.poses.size() >= end_) return steadied(track);
@@ -167,8 +169,14 @@ std::optional<BodyTrack> TakeAlignment::found_body() {
   }
 }
 
+fs::path TakeAlignment::joints_file() const {
+  return take_.folder() / "recon" / "frames" / "joints.json";
+}
+
+// Frames that another motion carried are made again: it was captured anew, over more frames.
 void TakeAlignment::open_store(const std::string& reference) {
-  const json settings{{"version", 2}, {"frames", settings_}, {"how", report_.how}, {"reference", reference}};
+  const json settings{{"version", 2}, {"frames", settings_}, {"how", report_.how}, {"reference", reference},
+                      {"motion", report_.how == "skeleton" ? capture::sha256_of(joints_file()) : ""}};
   store_.emplace(AlignmentStore::folder_of(take_.folder()), settings.dump());
 }
 
