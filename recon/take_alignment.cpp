@@ -175,7 +175,10 @@ fs::path TakeAlignment::joints_file() const {
 
 // Frames that another motion carried are made again: it was captured anew, over more frames.
 void TakeAlignment::open_store(const std::string& reference) {
-  const json settings{{"version", 2}, {"frames", settings_}, {"how", report_.how}, {"reference", reference},
+  const json settings{{"version", 2},
+                      {"frames", settings_},
+                      {"how", report_.how},
+                      {"reference", reference},
                       {"motion", report_.how == "skeleton" ? capture::sha256_of(joints_file()) : ""}};
   store_.emplace(AlignmentStore::folder_of(take_.folder()), settings.dump());
 }
