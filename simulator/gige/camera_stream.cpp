@@ -148,12 +148,22 @@ void CameraStream::send_first(KeptFrame& kept, std::uint32_t end, Link link) {
       kept.held_back.pop_front();
     }
   };
+  if (kept.sent == 0) send_stray(batch, kept, link);
   while (kept.sent < end) {
     const PacketSending sending{camera_, kept.frame.block, kept.sent++, 0};
     if (!hold_back(kept, sending)) send(batch, kept, sending, link);
     release(false);
   }
   release(kept.sent == packet_count(kept.frame));
+}
+
+void CameraStream::send_stray(Batch& batch, const KeptFrame& kept, Link link) {
+  const PacketSending before_all{camera_, kept.frame.block, 0, 0};
+  if (link != Link::up ||
+      !strikes(kept.faults.stray_packet.rate, kept.faults.seed, FaultKind::stray_packet, before_all))
+    return;
+  batch.add(gvsp_stray(kept.frame));
+  ++counts_.faults[FaultKind::stray_packet];
 }
 
 void CameraStream::send_again(KeptFrame& kept, std::uint32_t first, std::uint32_t end, Link link) {

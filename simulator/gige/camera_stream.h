@@ -66,6 +66,7 @@ class CameraStream {
 
   void change_length(KeptFrame& kept);
   void send_first(KeptFrame& kept, std::uint32_t end, Link link);
+  void send_stray(Batch& batch, const KeptFrame& kept, Link link);
   void send_again(KeptFrame& kept, std::uint32_t first, std::uint32_t end, Link link);
   void send(Batch& batch, KeptFrame& kept, const PacketSending& sending, Link link);
   bool is_withheld(const KeptFrame& kept, const PacketSending& sending, Link link);

@@ -136,6 +136,7 @@ const std::array<FaultRow, kFaultKinds> kFaultRows{
     {FaultKind::doubled_trigger, "next", read_doubled},
     {FaultKind::clock_step, "by", read_step},
     {FaultKind::clock_drift, "ppm", read_drift},
+    {FaultKind::stray_packet, "rate", [](FaultParameters& p, Fault&) { return rate_only(p, StrayPacket{}); }},
 };
 
 }  // namespace rotunda::simulator

@@ -19,6 +19,7 @@ struct TakeEffect {
   void operator()(const Reorder& fault) const { into.reorder = fault; }
   void operator()(const Duplicate& fault) const { into.duplicate = fault; }
   void operator()(const NetworkError& fault) const { into.network_error = fault; }
+  void operator()(const StrayPacket& fault) const { into.stray_packet = fault; }
   void operator()(const LateFrames& fault) const { into.late_frames = fault; }
   void operator()(const MissingTrailer& fault) const { into.missing_trailer = fault; }
   void operator()(const CorruptedLeader& fault) const { into.corrupted_leader = fault; }

@@ -10,8 +10,8 @@ constexpr std::array<std::string_view, kFaultKinds> kNames{
     "late_frames",     "missing_trailer",  "corrupted_leader", "wrong_payload_size",
     "stall",           "silence",          "reboot",           "control_stolen",
     "slow_registers",  "over_temperature", "late_trigger",     "missed_trigger",
-    "doubled_trigger", "clock_step",       "clock_drift"};
-static_assert(static_cast<std::size_t>(FaultKind::clock_drift) + 1 == kFaultKinds);
+    "doubled_trigger", "clock_step",       "clock_drift",      "stray_packet"};
+static_assert(static_cast<std::size_t>(FaultKind::stray_packet) + 1 == kFaultKinds);
 
 // SplitMix64 (Steele, Lea, Flood 2014).
 std::uint64_t mixed(std::uint64_t x) {

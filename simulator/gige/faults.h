@@ -30,6 +30,9 @@ struct Duplicate {  // leave twice
 struct NetworkError {  // refused by the network, as by a full transmit queue
   double rate = 0.0;
 };
+struct StrayPacket {  // before a frame comes a packet that is none of a stream; the rate is of the frames
+  double rate = 0.0;
+};
 
 // --- frames
 struct LateFrames {  // leave later than they should
@@ -85,7 +88,7 @@ struct ClockDrift {  // the camera's clock gains while it lasts, and keeps what 
 using FaultEffect =
     std::variant<PacketLoss, Reorder, Duplicate, NetworkError, LateFrames, MissingTrailer, CorruptedLeader,
                  WrongPayloadSize, Stall, Silence, Reboot, ControlStolen, SlowRegisters, OverTemperature, LateTrigger,
-                 MissedTrigger, DoubledTrigger, ClockStep, ClockDrift>;
+                 MissedTrigger, DoubledTrigger, ClockStep, ClockDrift, StrayPacket>;
 
 // In the order of FaultEffect's alternatives.
 enum class FaultKind : std::size_t {
@@ -108,6 +111,7 @@ enum class FaultKind : std::size_t {
   doubled_trigger,
   clock_step,
   clock_drift,
+  stray_packet,
 };
 inline constexpr std::size_t kFaultKinds = std::variant_size_v<FaultEffect>;
 
@@ -132,6 +136,7 @@ struct GigeFaults {
   Reorder reorder;
   Duplicate duplicate;
   NetworkError network_error;
+  StrayPacket stray_packet;
   LateFrames late_frames;
   MissingTrailer missing_trailer;
   CorruptedLeader corrupted_leader;

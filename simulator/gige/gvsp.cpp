@@ -8,7 +8,7 @@
 namespace rotunda::simulator {
 namespace {
 
-enum class Format : std::uint8_t { leader = 1, trailer = 2, payload = 3 };
+enum class Format : std::uint8_t { leader = 1, trailer = 2, payload = 3, unknown = 0x77 };
 constexpr std::uint16_t kImage = 1, kWithChunks = 0x4000;  // payload types
 constexpr std::uint32_t kExtendedIds = 1U << 31;
 constexpr std::uint32_t kChunkLayout = 1;  // the one layout there is: it follows from what is enabled
@@ -131,6 +131,10 @@ GvspPacket gvsp_packet(const GvspFrame& frame, std::uint32_t packet, GvspStatus 
     add_payload(out, frame, (packet - 1) * payload_per_packet(frame), payload_per_packet(frame));
   }
   return out;
+}
+
+GvspPacket gvsp_stray(const GvspFrame& frame) {
+  return with_header(GvspStatus::ok, {frame.extended_ids, frame.block, 0}, Format::unknown);
 }
 
 GvspPacket gvsp_unavailable(const ResendCommand& request) {

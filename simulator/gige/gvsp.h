@@ -45,6 +45,8 @@ std::size_t gvsp_header_bytes(const GvspFrame& frame);  // of each packet: 8 or 
 std::uint32_t packet_count(const GvspFrame& frame);     // leader and trailer included
 // `packet` < packet_count(frame).
 GvspPacket gvsp_packet(const GvspFrame& frame, std::uint32_t packet, GvspStatus status = GvspStatus::ok);
+// A packet of a format that no stream knows, with the frame's block id.
+GvspPacket gvsp_stray(const GvspFrame& frame);
 // The answer to a resend request for what is no longer kept.
 GvspPacket gvsp_unavailable(const ResendCommand& request);
 

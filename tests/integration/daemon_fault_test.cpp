@@ -172,6 +172,7 @@ const FaultRows kPackets{
     {FaultKind::reorder, "reorder: { rate: 100%, by: 5 }"},
     {FaultKind::duplicate, "duplicate: 50%"},
     {FaultKind::network_error, "network_error: 10%"},
+    {FaultKind::stray_packet, "stray_packet: 100%"},
     {FaultKind::missing_trailer, "missing_trailer: 100%", kAll, kAll},
     {FaultKind::stall, "stall: {}", kAll, kAll},
 };

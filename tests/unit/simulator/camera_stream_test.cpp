@@ -215,6 +215,15 @@ TEST(StreamFaults, NetworkErrorsAndMissingTrailersKeepPacketsBack) {
   EXPECT_EQ(headless.fired(FaultKind::missing_trailer), 1U);
 }
 
+TEST(StreamFaults, AStrayPacketComesBeforeItsFrameAndIsNoneOfIt) {
+  constexpr std::uint8_t kLeader = 1, kTrailer = 2, kPayload = 3;
+  const Faulty frame({.stray_packet = {.rate = 1.0}});
+  ASSERT_EQ(frame.packets.size(), 15U);
+  for (const auto known : {kLeader, kTrailer, kPayload}) EXPECT_NE(frame.packets.front()[4], known);
+  EXPECT_EQ(frame.packets[1][4], kLeader);
+  EXPECT_EQ(frame.fired(FaultKind::stray_packet), 1U);
+}
+
 TEST(StreamFaults, ALateFrameWaits) {
   Wire wire;
   CameraStream stream(0, wire.sender.fd(), 0.0);

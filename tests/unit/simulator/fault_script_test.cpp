@@ -81,6 +81,7 @@ TEST(FaultScript, ReadsEveryKindInItsShortFormAndItsLong) {
   EXPECT_EQ(effect_of<Reorder>("reorder: { rate: 0.1, by: 7 }").by, 7U);
   EXPECT_DOUBLE_EQ(effect_of<Duplicate>("duplicate: 1").rate, 1.0);
   EXPECT_DOUBLE_EQ(effect_of<NetworkError>("network_error: { rate: 10% }").rate, 0.1);
+  EXPECT_DOUBLE_EQ(effect_of<StrayPacket>("stray_packet: 100%").rate, 1.0);
   EXPECT_EQ(effect_of<LateFrames>("late_frames: 1.5ms").by, 1500us);
   EXPECT_DOUBLE_EQ(effect_of<MissingTrailer>("missing_trailer: 100%").rate, 1.0);
   EXPECT_EQ(effect_of<CorruptedLeader>("corrupted_leader: block_id").flaw, LeaderFlaw::block_id);
