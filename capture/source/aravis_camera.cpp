@@ -248,9 +248,13 @@ StreamChannel configure_stream_channel(ArvCamera* camera, const SourceSettings& 
   // A real link may carry less than our end's MTU promises: let Aravis send test packets and shrink.
   arv_camera_gv_set_packet_size_adjustment(
       camera, channel.on_loopback ? ARV_GV_PACKET_SIZE_ADJUSTMENT_NEVER : ARV_GV_PACKET_SIZE_ADJUSTMENT_ON_FAILURE);
-  arv_camera_gv_set_stream_options(
-      camera, channel.packet_socket ? ARV_GV_STREAM_OPTION_NONE : ARV_GV_STREAM_OPTION_PACKET_SOCKET_DISABLED);
+  arv_camera_gv_set_stream_options(camera, ARV_GV_STREAM_OPTION_NONE);
+  if (!channel.packet_socket) forgo_packet_socket(camera);
   return channel;
+}
+
+void forgo_packet_socket(ArvCamera* camera) {
+  arv_camera_gv_set_stream_options(camera, ARV_GV_STREAM_OPTION_PACKET_SOCKET_DISABLED);
 }
 
 // In ticks of the camera's clock, both.

@@ -27,6 +27,8 @@ struct StreamChannel {
   double link_bits_per_second = 0.0;
 };
 StreamChannel configure_stream_channel(ArvCamera* camera, const SourceSettings& settings);
+// Streams created from now on have none.
+void forgo_packet_socket(ArvCamera* camera);
 
 // Throws DeviceError if the camera takes no packet delay; one that knows no start delay starts at once.
 void configure_pacing(ArvCamera* camera, const SourceSettings& settings, const StreamPacing& pacing);

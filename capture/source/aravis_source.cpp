@@ -63,10 +63,11 @@ class AravisSource final : public Source {
   void require(SourceState needed, const char* verb) const;  // throws unless so
   void become(SourceState next);
   void mind_loss(const std::function<void()>& call);
-  void hear_stream(ArvStreamCallbackType type);
+  void hear_stream(ArvStreamCallbackType type, const ArvBuffer* done);
   void require_an_answer();
   void keep_resend_budget(SourceHealth& health);
   void cure_socket_buffer(ArvStream* stream);
+  GRef<ArvStream> create_clean_stream();
   void make_stream();
   GRef<ArvStream> take_stream() noexcept;
   SourceHealth ask_health();
@@ -155,11 +156,25 @@ void AravisSource::arm() {
   become(SourceState::armed);
 }
 
+// Where a link is too busy for a packet socket to begin clean, packets come by the ordinary one.
+GRef<ArvStream> AravisSource::create_clean_stream() {
+  constexpr int kTries = 5;
+  const auto create = [&] { return create_stream(camera_.get(), settings_, on_stream, tie_.get()); };
+  for (int i = 0; i < kTries; ++i)
+    if (auto stream = create(); began_clean(stream.get(), channel_.packet_socket)) return stream;
+  forgo_packet_socket(camera_.get());
+  {
+    const std::lock_guard lock(mutex_);
+    channel_.packet_socket = false;
+  }
+  return create();
+}
+
 void AravisSource::make_stream() {
   const std::size_t payload = payload_bytes(camera_.get(), settings_, description_);
   tie_ = std::make_shared<StreamTie>();
   tie_->source = this;
-  GRef<ArvStream> stream = create_stream(camera_.get(), settings_, on_stream, tie_.get());
+  GRef<ArvStream> stream = create_clean_stream();
   tune_stream(stream.get(), settings_.frame_rate_hz);
   if (ARV_IS_GV_STREAM(stream.get())) {
     cure_socket_buffer(stream.get());
@@ -308,20 +323,20 @@ void AravisSource::close() noexcept {
   state_ = SourceState::closed;
 }
 
-void AravisSource::on_stream(void* data, ArvStreamCallbackType type, ArvBuffer*) noexcept {
+void AravisSource::on_stream(void* data, ArvStreamCallbackType type, ArvBuffer* buffer) noexcept {
   auto& tie = *static_cast<StreamTie*>(data);
   const std::lock_guard lock(tie.mutex);
-  if (tie.source) tie.source->hear_stream(type);
+  if (tie.source) tie.source->hear_stream(type, buffer);
 }
 
 // On the stream's thread.
-void AravisSource::hear_stream(ArvStreamCallbackType type) {
+void AravisSource::hear_stream(ArvStreamCallbackType type, const ArvBuffer* done) {
   if (type == ARV_STREAM_CALLBACK_TYPE_INIT) {
     pthread_setname_np(pthread_self(), settings_.camera.substr(0, 15).c_str());
     const sched_param priority{.sched_priority = stream_thread_priority};
     pthread_setschedparam(pthread_self(), SCHED_RR, &priority);  // where the system allows it
   } else if (type == ARV_STREAM_CALLBACK_TYPE_BUFFER_DONE && stream_) {
-    if (ArvBuffer* buffer = arv_stream_try_pop_buffer(stream_.get())) frames_.hand_on(buffer, *pool_);
+    if (ArvBuffer* buffer = pop_done(stream_.get(), done, *pool_)) frames_.hand_on(buffer, *pool_);
     pool_->top_up();
   }
 }

@@ -3,10 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <thread>
+
+#include "capture/source/stream_socket.h"
 
 namespace rotunda::capture {
 
 namespace {
+
+using namespace std::chrono_literals;
 
 constexpr std::size_t ignored_frames = 3;  // in packets, with no frame coming out: something is wrong
 constexpr double requests_a_packet = 1.0;  // of a frame, at most: bursts may take half of it
@@ -28,6 +33,26 @@ void tune_stream(ArvStream* stream, std::optional<double> frame_rate_hz) {
   const auto retention_us = static_cast<guint>(std::min(0.875 * period_us, 1e6));
   const auto retry_us = static_cast<guint>(std::clamp(0.125 * period_us, 1e3, 20e3));
   g_object_set(stream, "frame-retention", retention_us, "packet-timeout", retry_us, nullptr);
+}
+
+ArvBuffer* pop_done(ArvStream* stream, const ArvBuffer* done, BufferPool& pool) {
+  ArvBuffer* buffer = arv_stream_try_pop_buffer(stream);
+  for (; buffer && buffer != done; buffer = arv_stream_try_pop_buffer(stream)) pool.give_back(buffer);
+  return buffer;
+}
+
+bool began_clean(ArvStream* stream, bool packet_socket) {
+  if (!packet_socket || !ARV_IS_GV_STREAM(stream)) return true;
+  constexpr auto kPatience = 500ms, kLook = 1ms;
+  constexpr auto kUntilRead = 10ms;  // what came before the filter waits in the ring for half as long
+  const auto port = arv_gv_stream_get_port(ARV_GV_STREAM(stream));
+  const auto end = std::chrono::steady_clock::now() + kPatience;
+  while (!packet_socket_listens_for(port)) {
+    if (std::chrono::steady_clock::now() > end) return false;
+    std::this_thread::sleep_for(kLook);
+  }
+  std::this_thread::sleep_for(kUntilRead);
+  return told(stream, "n_received_packets") == 0;
 }
 
 void read_counters(ArvStream* stream, SourceStats& stats) {

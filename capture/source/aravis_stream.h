@@ -5,6 +5,7 @@
 #include <string>
 
 #include "capture/source/aravis_handle.h"
+#include "capture/source/buffer_pool.h"
 #include "capture/source/source.h"
 
 namespace rotunda::capture {
@@ -12,6 +13,16 @@ namespace rotunda::capture {
 // Resend of lost packets is on where the camera can. A frame still short of packets is given up before the next one is
 // due (by `frame_rate_hz`), or it would hold up those behind it.
 void tune_stream(ArvStream* stream, std::optional<double> frame_rate_hz);
+
+// `done` out of the stream's output, where it may not come first: a packet of no known kind has Aravis 0.8.26 put a
+// buffer there that nothing was written to, without a word. Left there, it would make each later frame come one behind.
+// Those go back to `pool`. Nothing if it is not there.
+ArvBuffer* pop_done(ArvStream* stream, const ArvBuffer* done, BufferPool& pool);
+
+// Aravis' packet socket hears all that its link carries until it has a filter; what it takes in by then may be taken
+// for frames of this camera, and their block ids for its last. Whether a stream that has no buffers yet, nor a camera
+// that sends, has its filter and has heard nothing. True for a stream without a packet socket.
+bool began_clean(ArvStream* stream, bool packet_socket);
 
 void read_counters(ArvStream* stream, SourceStats& stats);
 

@@ -8,14 +8,17 @@
 #include <sys/ioctl.h>
 #include <sys/socket.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <system_error>
+#include <vector>
 
 #include "capture/base/unique_fd.h"
 
@@ -33,13 +36,33 @@ bool is_udp_on_port(int fd, std::uint16_t port) {
          ntohs(name.sin_port) == port;
 }
 
-std::optional<int> udp_socket_on_port(std::uint16_t port) {
+// An open file of this process of which `is` is true.
+std::optional<int> open_file(const std::function<bool(int fd)>& is) {
   std::error_code error;
   for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd", error)) {
     const int fd = std::atoi(entry.path().filename().c_str());
-    if (is_udp_on_port(fd, port)) return fd;
+    if (is(fd)) return fd;
   }
   return std::nullopt;
+}
+
+std::optional<int> udp_socket_on_port(std::uint16_t port) {
+  return open_file([port](int fd) { return is_udp_on_port(fd, port); });
+}
+
+bool is_packet_socket(int fd) {
+  int domain = 0;
+  socklen_t length = sizeof domain;
+  return ::getsockopt(fd, SOL_SOCKET, SO_DOMAIN, &domain, &length) == 0 && domain == AF_PACKET;
+}
+
+// Empty: it has none. SO_GET_FILTER counts instructions, not bytes.
+std::vector<sock_filter> filter_of(int fd) {
+  socklen_t count = 0;
+  if (::getsockopt(fd, SOL_SOCKET, SO_GET_FILTER, nullptr, &count) != 0) return {};
+  std::vector<sock_filter> filter(count);
+  if (count == 0 || ::getsockopt(fd, SOL_SOCKET, SO_GET_FILTER, filter.data(), &count) != 0) return {};
+  return filter;
 }
 
 // Name of the interface with this address; "127.0.0.7" is the loopback's as well as "127.0.0.1".
@@ -98,6 +121,18 @@ int mtu_of_interface(const std::string& address) {
   ifreq request{};
   std::strncpy(request.ifr_name, name.c_str(), IFNAMSIZ - 1);
   return ::ioctl(fd.get(), SIOCGIFMTU, &request) == 0 ? request.ifr_mtu : 0;
+}
+
+bool packet_socket_listens_for(std::uint16_t port) {
+  const auto asks = [port](const sock_filter& step) {
+    return step.code == (BPF_JMP | BPF_JEQ | BPF_K) && step.k == port;
+  };
+  return open_file([&](int fd) {
+           if (!is_packet_socket(fd)) return false;
+           const auto filter = filter_of(fd);
+           return std::any_of(filter.begin(), filter.end(), asks);
+         })
+      .has_value();
 }
 
 bool may_open_packet_socket() {

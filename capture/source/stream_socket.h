@@ -28,5 +28,7 @@ int mtu_of_interface(const std::string& address);
 
 // Whether this process may open packet sockets (CAP_NET_RAW).
 bool may_open_packet_socket();
+// Whether a packet socket of this process has a filter by now that asks for this UDP port.
+bool packet_socket_listens_for(std::uint16_t port);
 
 }  // namespace rotunda::capture
