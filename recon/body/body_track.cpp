@@ -88,6 +88,23 @@ Pose steadied(std::span<const Pose> window, std::size_t at) {
   return pose;
 }
 
+// Nobody moves like that from one frame to the next: the take goes on elsewhere, as where clips were put together.
+bool is_cut(const Pose& before, const Pose& after) {
+  constexpr double kStep = 0.5;  // metres; a sprinter at 25 frames/s makes 0.42
+  constexpr double kTurn = 1.2;  // radians; a fast pirouette makes 0.75
+  return (after.root - before.root).norm() > kStep || before.rotation[0].angularDistance(after.rotation[0]) > kTurn;
+}
+
+// Filters poses in place; too few for the filter stay as they are.
+void steady(std::span<Pose> poses) {
+  if (poses.size() < kFilterFrames) return;
+  const std::vector<Pose> raw(poses.begin(), poses.end());
+  for (std::size_t i = 0; i < raw.size(); ++i) {
+    const auto first = std::min(i < kFilterFrames / 2 ? 0 : i - kFilterFrames / 2, raw.size() - kFilterFrames);
+    poses[i] = steadied(std::span(raw).subspan(first, kFilterFrames), i - first);
+  }
+}
+
 }  // namespace
 
 std::optional<Pose> BodyTrack::pose(std::size_t frame) const {
@@ -96,16 +113,13 @@ std::optional<Pose> BodyTrack::pose(std::size_t frame) const {
 }
 
 BodyTrack steadied(const BodyTrack& track) {
-  const auto all = bridged(track.poses);
-  BodyTrack result = track;
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    if (all.size() < kFilterFrames) {
-      result.poses[i] = all[i];
-      continue;
-    }
-    const auto first = std::min(i < kFilterFrames / 2 ? 0 : i - kFilterFrames / 2, all.size() - kFilterFrames);
-    result.poses[i] = steadied(std::span(all).subspan(first, kFilterFrames), i - first);
+  auto all = bridged(track.poses);
+  for (std::size_t begin = 0, end = 1; begin < all.size(); begin = end++) {
+    while (end < all.size() && !is_cut(all[end - 1], all[end])) ++end;
+    steady(std::span(all).subspan(begin, end - begin));
   }
+  BodyTrack result = track;
+  std::copy(all.begin(), all.end(), result.poses.begin());
   return result;
 }
 

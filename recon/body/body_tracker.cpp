@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "recon/body/arm_starts.h"
+
 namespace rotunda::recon {
 namespace {
 
@@ -19,6 +21,8 @@ constexpr double kJump = 1.35;        // of the typical residual: something may 
 constexpr double kJumpBy = 0.004;     // metres, at least
 constexpr double kLostShare = 0.55;   // of contour points with a partner: less is no fit
 constexpr std::size_t kSideTest = 8;  // frames between tests whether the legs are swapped
+constexpr std::size_t kArmTest = 8;   // and whether an arm is held otherwise,
+constexpr double kArmDoubt = 1.15;    // or at once with so much of the typical residual
 
 double median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -113,6 +117,26 @@ void BodyTracker::try_swapped_legs(const FrameOutlines& frame, PoseFit& best) co
   if (other.residual < 0.93 * best.residual) best = std::move(other);
 }
 
+// One arm is a tenth of all contours: where it fits instead of being hidden in the trunk, the whole residual falls by
+// few percent. What falls less is noise, and would make arms flip to and fro.
+bool BodyTracker::try_arms(const FrameOutlines& frame, PoseFit& best) const {
+  constexpr double kBetter = 0.97;
+  std::vector<PoseFit> coarse;
+  for (const auto& start : other_arms(best.pose))
+    coarse.push_back(
+        fit_pose(body_, frame, start, {.iterations = 4, .first_scale = 0.15, .last_scale = 0.08, .spacing_px = 12.0}));
+  std::sort(coarse.begin(), coarse.end(), [](const PoseFit& a, const PoseFit& b) { return a.residual < b.residual; });
+  coarse.resize(2);
+  bool otherwise = false;
+  for (const auto& start : coarse) {
+    auto other = fit(frame, start.pose, 0.10, false);
+    if (other.residual >= kBetter * best.residual) continue;
+    best = std::move(other);
+    otherwise = true;
+  }
+  return otherwise;
+}
+
 void BodyTracker::remember(const PoseFit& fit) {
   residuals_.push_back(fit.residual);
   if (residuals_.size() > kMemory) residuals_.erase(residuals_.begin());
@@ -147,7 +171,9 @@ TrackedPose BodyTracker::track(const FrameOutlines& frame) {
       try_others(frame, tracked.fit);
     else if (++frames_ % kSideTest == 0)
       try_swapped_legs(frame, tracked.fit);
-    if (doubtful && tracked.fit.residual < before) tracked.state = TrackState::recovered;
+    const bool look = frames_ % kArmTest == kArmTest / 2 || tracked.fit.residual > kArmDoubt * median(residuals_);
+    const bool arms = look && try_arms(frame, tracked.fit);
+    if (arms || (doubtful && tracked.fit.residual < before)) tracked.state = TrackState::recovered;
   }
   if (tracked.fit.explained < kLostShare)
     return lose(

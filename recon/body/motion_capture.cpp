@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <chrono>
 #include <ctime>
+#include <deque>
 #include <memory>
 
 #include "config/errors.h"
@@ -22,6 +23,7 @@ constexpr std::size_t kStartFrames = 24;  // looked at for somebody upright
 constexpr std::size_t kGoodStarts = 3;    // of those the best is taken
 constexpr std::size_t kWindow = 48;       // frames around the start that the template is solved over,
 constexpr std::size_t kWindowStep = 2;    // every second of them
+constexpr std::size_t kLookBack = 16;     // frames that are followed again from one that was recovered
 
 double process_cpu_s() {
   timespec time{};
@@ -40,6 +42,10 @@ class MotionCapture {
     std::size_t frame = 0;
     BodyStart found;
   };
+  struct Work {
+    std::size_t frame;
+    FrameOutlines outlines;
+  };
 
   void choose_frames();
   FrameOutlines outlines(std::size_t frame);
@@ -47,6 +53,7 @@ class MotionCapture {
   Start find_start();
   [[noreturn]] void refuse_start(std::size_t looked, std::size_t silhouettes, std::size_t upright) const;
   void solve_template(Start& start);
+  void look_back(const Start& start, const PoseFit& recovered, const std::deque<std::shared_ptr<Work>>& passed);
   void follow(const Start& start, int direction);
 
   const MotionCaptureOptions& options_;
@@ -181,12 +188,25 @@ void MotionCapture::solve_template(Start& start) {
   start.found = {std::move(solved.body), nearest};
 }
 
+// What was recovered in a frame may have been wrong for some before it: those, `passed` with the latest last, are
+// followed again from there as long as that fits better.
+void MotionCapture::look_back(const Start& start, const PoseFit& recovered,
+                              const std::deque<std::shared_ptr<Work>>& passed) {
+  constexpr double kBetter = 0.97;
+  BodyTracker tracker(start.found.body, recovered, {});
+  for (auto work = passed.rbegin(); work != passed.rend(); ++work) {
+    auto& before = report_.motion.frames[(*work)->frame - first_];
+    auto again = tracker.track((*work)->outlines);
+    if (again.state == TrackState::lost) return;
+    if (before.state != TrackState::lost && again.fit.residual > kBetter * before.fit.residual) return;
+    again.state = TrackState::recovered;
+    before = std::move(again);
+  }
+}
+
 // Silhouettes are made ahead on all threads; following goes in the frames' order.
 void MotionCapture::follow(const Start& start, int direction) {
-  struct Work {
-    std::size_t frame;
-    FrameOutlines outlines;
-  };
+  std::deque<std::shared_ptr<Work>> passed;
   BodyTracker tracker(start.found.body, start.found.fit, {.only_overlap = options_.only_overlap});
   std::size_t next = direction > 0 ? start.frame : start.frame - 1;
   std::size_t left = direction > 0 ? end_ - start.frame : start.frame - first_;
@@ -209,8 +229,12 @@ void MotionCapture::follow(const Start& start, int direction) {
                                  }) &
                              tbb::make_filter<std::shared_ptr<Work>, void>(
                                  tbb::filter_mode::serial_in_order, [&](const std::shared_ptr<Work>& work) {
-                                   report_.motion.frames[work->frame - first_] =
-                                       clock_.run("track", [&] { return tracker.track(work->outlines); });
+                                   auto& tracked = report_.motion.frames[work->frame - first_];
+                                   tracked = clock_.run("track", [&] { return tracker.track(work->outlines); });
+                                   if (tracked.state == TrackState::recovered && !options_.only_overlap)
+                                     clock_.run("look back", [&] { look_back(start, tracked.fit, passed); });
+                                   passed.push_back(work);
+                                   if (passed.size() > kLookBack) passed.pop_front();
                                    if (tell_) tell_(++done_, end_ - first_);
                                  }));
 }

@@ -7,6 +7,7 @@
 #include <assimp/Importer.hpp>
 #include <filesystem>
 
+#include "recon/body/body_track.h"
 #include "recon/body/captured_motion.h"
 #include "recon/export/motion_glb.h"
 #include "tests/support/template_scene.h"
@@ -93,6 +94,47 @@ TEST(BodyTracker, TellsWhenNobodyIsSeenAndGoesOnAfterwards) {
   const auto again = tracker.track(frame_at(0.5));  // the legs have changed places meanwhile
   EXPECT_EQ(again.state, TrackState::recovered);
   EXPECT_LT(mean_joint_error(body.skeleton, again.fit.pose, body.skeleton, walking_pose(body, 0.5)), 0.03);
+}
+
+// Somebody standing with the left forearm raised in front of the chest; and tracked from there with the arm hanging
+// behind the back, as after a quick move that went unseen.
+TEST(BodyTracker, FindsAnArmThatIsHeldOtherwise) {
+  const auto body = template_of_height(1.75);
+  auto truth = walking_pose(body, 0.0);
+  truth.rotation[index(BodyJoint::forearm_left)] = Eigen::AngleAxisd(-2.2, Vector3d::UnitZ());
+  auto wrong = truth;
+  wrong.rotation[index(BodyJoint::upper_arm_left)] =
+      truth.rotation[index(BodyJoint::upper_arm_left)] * Eigen::AngleAxisd(2.4, Vector3d::UnitY());
+  const auto hand = [&](const Pose& pose) {
+    return (joint_positions(body.skeleton, pose)[index(BodyJoint::hand_left)] -
+            joint_positions(body.skeleton, truth)[index(BodyJoint::hand_left)])
+        .norm();
+  };
+  const auto frame = outlines_of(body, truth, ring_around_person(8));
+  const auto caught = fit_pose(body, frame, wrong, {.iterations = 12});
+  ASSERT_GT(hand(caught.pose), 0.08) << "no local minimum: it tests nothing";
+  BodyTracker tracker(body, caught, {});
+  TrackedPose last;
+  bool told = false;
+  for (int i = 0; i < 8; ++i) {  // once in as many frames it looks
+    last = tracker.track(frame);
+    told |= last.state == TrackState::recovered;
+  }
+  EXPECT_LT(hand(last.fit.pose), 0.04);
+  EXPECT_TRUE(told);
+}
+
+TEST(BodyTrack, IsNotFilteredAcrossACut) {
+  const auto body = template_of_height(1.75);
+  BodyTrack track{.body = body, .first_frame = 0, .poses = {}};
+  for (int i = 0; i < 20; ++i) {
+    auto pose = walking_pose(body, 0.04 * i);
+    pose.root.x() += 0.05 * i - (i < 12 ? 0.0 : 1.5);  // as two clips in one take
+    track.poses.emplace_back(pose);
+  }
+  const auto steady = steadied(track);
+  for (std::size_t i = 0; i < 20; ++i)
+    EXPECT_LT((steady.poses[i]->root - track.poses[i]->root).norm(), 0.005) << "frame " << i;
 }
 
 // Centimetres, y up, facing z: ours (x, y, z) is (y, z, x) there.
