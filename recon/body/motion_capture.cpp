@@ -9,6 +9,7 @@
 #include <chrono>
 #include <ctime>
 #include <deque>
+#include <map>
 #include <memory>
 
 #include "config/errors.h"
@@ -52,8 +53,10 @@ class MotionCapture {
   FrameViews keyed(std::size_t frame);
   Start find_start();
   [[noreturn]] void refuse_start(std::size_t looked, std::size_t silhouettes, std::size_t upright) const;
+  using UseOfFrame = std::function<void(const std::shared_ptr<const Work>&)>;
+  void ahead(std::size_t from, std::size_t count, int direction, const UseOfFrame& use);
   void solve_template(Start& start);
-  void look_back(const Start& start, const PoseFit& recovered, const std::deque<std::shared_ptr<Work>>& passed);
+  void look_back(const Start& start, const PoseFit& recovered, const std::deque<std::shared_ptr<const Work>>& passed);
   void follow(const Start& start, int direction);
 
   const MotionCaptureOptions& options_;
@@ -62,6 +65,7 @@ class MotionCapture {
   capture::TakeReader take_;
   TakeStudio studio_;
   std::size_t first_ = 0, end_ = 0, done_ = 0;
+  std::map<std::size_t, std::shared_ptr<const Work>> kept_;  // about the start, a megabyte a frame
   StageClock clock_;
   MotionCaptureReport report_;
 };
@@ -158,6 +162,28 @@ void MotionCapture::refuse_start(std::size_t looked, std::size_t silhouettes, st
       name, upright, looked, name));
 }
 
+// Silhouettes are made ahead on all threads; `use` gets them one after the other, in the order asked for.
+void MotionCapture::ahead(std::size_t from, std::size_t count, int direction, const UseOfFrame& use) {
+  std::size_t next = from;
+  const auto source = [&](tbb::flow_control& control) -> std::size_t {
+    if (count == 0 || stop_.stop_requested()) {
+      control.stop();
+      return 0;
+    }
+    --count;
+    return std::exchange(next, next + static_cast<std::size_t>(direction));
+  };
+  const auto make = [&](std::size_t frame) {
+    const auto kept = kept_.find(frame);
+    return kept != kept_.end() ? kept->second : std::make_shared<const Work>(Work{frame, outlines(frame)});
+  };
+  tbb::parallel_pipeline(
+      static_cast<std::size_t>(tbb::info::default_concurrency()) + 1,
+      tbb::make_filter<void, std::size_t>(tbb::filter_mode::serial_in_order, source) &
+          tbb::make_filter<std::size_t, std::shared_ptr<const Work>>(tbb::filter_mode::parallel, make) &
+          tbb::make_filter<std::shared_ptr<const Work>, void>(tbb::filter_mode::serial_in_order, use));
+}
+
 // Followed for a while with what one frame told, then lengths and widths anew from all of it.
 void MotionCapture::solve_template(Start& start) {
   std::size_t last = std::min(end_, start.frame + kWindow);
@@ -165,22 +191,20 @@ void MotionCapture::solve_template(Start& start) {
   last = std::min(end_, first + kWindow);
   std::vector<FrameOutlines> frames;
   std::vector<Pose> poses;
-  std::vector<double> residuals;
-  const auto walk = [&](int direction) {
+  const auto walk = [&](std::size_t from, std::size_t count, int direction) {
     BodyTracker tracker(start.found.body, start.found.fit, {});
-    for (auto frame = static_cast<std::ptrdiff_t>(start.frame) + (direction < 0 ? -1 : 0);
-         frame >= static_cast<std::ptrdiff_t>(first) && frame < static_cast<std::ptrdiff_t>(last) &&
-         !stop_.stop_requested();
-         frame += direction) {
-      auto seen = outlines(static_cast<std::size_t>(frame));
-      const auto tracked = clock_.run("track", [&] { return tracker.track(seen); });
-      if (tracked.state == TrackState::lost || static_cast<std::size_t>(frame) % kWindowStep != 0) continue;
-      frames.push_back(std::move(seen));
+    std::vector<std::shared_ptr<const Work>> passed;
+    ahead(from, count, direction, [&](const std::shared_ptr<const Work>& work) {
+      passed.push_back(work);
+      const auto tracked = clock_.run("track", [&] { return tracker.track(work->outlines); });
+      if (tracked.state == TrackState::lost || work->frame % kWindowStep != 0) return;
+      frames.push_back(work->outlines);
       poses.push_back(tracked.fit.pose);
-    }
+    });
+    for (auto& work : passed) kept_[work->frame] = std::move(work);
   };
-  walk(1);
-  walk(-1);
+  walk(start.frame, last - start.frame, 1);
+  walk(start.frame - 1, start.frame - first, -1);
   if (frames.empty() || stop_.stop_requested()) return;
   auto solved = clock_.run("template", [&] { return fit_body(start.found.body, frames, poses, 8); });
   const auto seen = outlines(start.frame);
@@ -191,7 +215,7 @@ void MotionCapture::solve_template(Start& start) {
 // What was recovered in a frame may have been wrong for some before it: those, `passed` with the latest last, are
 // followed again from there as long as that fits better.
 void MotionCapture::look_back(const Start& start, const PoseFit& recovered,
-                              const std::deque<std::shared_ptr<Work>>& passed) {
+                              const std::deque<std::shared_ptr<const Work>>& passed) {
   constexpr double kBetter = 0.97;
   BodyTracker tracker(start.found.body, recovered, {});
   for (auto work = passed.rbegin(); work != passed.rend(); ++work) {
@@ -204,39 +228,22 @@ void MotionCapture::look_back(const Start& start, const PoseFit& recovered,
   }
 }
 
-// Silhouettes are made ahead on all threads; following goes in the frames' order.
 void MotionCapture::follow(const Start& start, int direction) {
-  std::deque<std::shared_ptr<Work>> passed;
+  std::deque<std::shared_ptr<const Work>> passed;
   BodyTracker tracker(start.found.body, start.found.fit, {.only_overlap = options_.only_overlap});
-  std::size_t next = direction > 0 ? start.frame : start.frame - 1;
-  std::size_t left = direction > 0 ? end_ - start.frame : start.frame - first_;
-  const auto source = [&](tbb::flow_control& control) -> std::size_t {
-    if (left == 0 || stop_.stop_requested()) {
-      control.stop();
-      return 0;
-    }
-    --left;
-    const auto frame = next;
-    next += static_cast<std::size_t>(direction);
-    return frame;
+  const auto track = [&](const std::shared_ptr<const Work>& work) {
+    auto& tracked = report_.motion.frames[work->frame - first_];
+    tracked = clock_.run("track", [&] { return tracker.track(work->outlines); });
+    if (tracked.state == TrackState::recovered && !options_.only_overlap)
+      clock_.run("look back", [&] { look_back(start, tracked.fit, passed); });
+    passed.push_back(work);
+    if (passed.size() > kLookBack) passed.pop_front();
+    if (tell_) tell_(++done_, end_ - first_);
   };
-  tbb::parallel_pipeline(static_cast<std::size_t>(tbb::info::default_concurrency()) + 1,
-                         tbb::make_filter<void, std::size_t>(tbb::filter_mode::serial_in_order, source) &
-                             tbb::make_filter<std::size_t, std::shared_ptr<Work>>(
-                                 tbb::filter_mode::parallel,
-                                 [&](std::size_t frame) {
-                                   return std::make_shared<Work>(Work{frame, outlines(frame)});
-                                 }) &
-                             tbb::make_filter<std::shared_ptr<Work>, void>(
-                                 tbb::filter_mode::serial_in_order, [&](const std::shared_ptr<Work>& work) {
-                                   auto& tracked = report_.motion.frames[work->frame - first_];
-                                   tracked = clock_.run("track", [&] { return tracker.track(work->outlines); });
-                                   if (tracked.state == TrackState::recovered && !options_.only_overlap)
-                                     clock_.run("look back", [&] { look_back(start, tracked.fit, passed); });
-                                   passed.push_back(work);
-                                   if (passed.size() > kLookBack) passed.pop_front();
-                                   if (tell_) tell_(++done_, end_ - first_);
-                                 }));
+  if (direction > 0)
+    ahead(start.frame, end_ - start.frame, 1, track);
+  else
+    ahead(start.frame - 1, start.frame - first_, -1, track);
 }
 
 MotionCaptureReport MotionCapture::run() {

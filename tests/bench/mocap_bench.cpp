@@ -154,6 +154,9 @@ int main(int argc, char** argv) {
   const auto report = capture_motion(options, {}, {});
   const auto errors = errors_of(report.motion, truth);
   print("rotunda", report, errors, overlaps(report.motion, cameras, rendered / "truth" / "mattes"));
+  for (const auto& stage : report.stages)
+    fmt::print("           {:<10} {:5} times, {:7.2f} ms CPU (median), {:6.2f} s in all\n", stage.stage, stage.count,
+               stage.median_cpu_ms, stage.cpu_s);
   for (const auto& [name, both] : errors.by_joint)
     fmt::print("           {:<16} {:5.1f} mm, without offset {:5.1f}\n", name, 1000 * both.first, 1000 * both.second);
   options.only_overlap = true;
