@@ -65,13 +65,22 @@ std::vector<Pose> bridged(const std::vector<std::optional<Pose>>& poses) {
   return all;
 }
 
+// What would move far is no noise of a fit but a motion quicker than a cubic can follow (temporal_filter.h has the
+// same): a share of the way, none of it from `limit` on.
+Eigen::Vector3d bounded(const Eigen::Vector3d& way, double limit) {
+  const double share = way.norm() / limit;
+  const double rest = 1.0 - share * share;
+  return share < 1.0 ? Eigen::Vector3d(rest * rest * way) : Eigen::Vector3d::Zero();
+}
+
 // The cubic's value at frame `at` of seven poses, in the tangent space of the pose there.
 Pose steadied(std::span<const Pose> window, std::size_t at) {
   const auto weights = filter_weights(static_cast<int>(at));
   Pose pose = window[at];
+  constexpr double kRootLimit = 0.01, kTurnLimit = 0.06;  // metres, radians: three times what fits scatter by
   Eigen::Vector3d root = Eigen::Vector3d::Zero();
-  for (std::size_t i = 0; i < window.size(); ++i) root += weights[i] * window[i].root;
-  pose.root = root;
+  for (std::size_t i = 0; i < window.size(); ++i) root += weights[i] * (window[i].root - pose.root);
+  pose.root += bounded(root, kRootLimit);
   for (std::size_t j = 0; j < kBodyJoints; ++j) {
     Eigen::Vector3d turn = Eigen::Vector3d::Zero();
     for (std::size_t i = 0; i < window.size(); ++i) {
@@ -80,6 +89,7 @@ Pose steadied(std::span<const Pose> window, std::size_t at) {
       const Eigen::AngleAxisd way(off);
       turn += weights[i] * way.angle() * way.axis();
     }
+    turn = bounded(turn, kTurnLimit);
     const double angle = turn.norm();
     if (angle > 0.0)
       pose.rotation[j] =

@@ -19,9 +19,10 @@ struct BodyTrack {
 };
 
 // Poses without the fit's noise: of every joint and the root, a cubic over seven frames read at each
-// (video/temporal_filter.h). Gaps of lost frames are bridged first, on the shortest way from the last pose to the next;
-// before the first and after the last the nearest one stands. Nothing is filtered across a cut, where somebody would
-// have to jump half a metre or turn by 70 degrees within a frame. As it was if no frame has a pose.
+// (video/temporal_filter.h), as far as that is no further away than noise may be. Gaps of lost frames are bridged
+// first, on the shortest way from the last pose to the next; before the first and after the last the nearest one
+// stands. Nothing is filtered across a cut, where somebody would have to jump half a metre or turn by 70 degrees within
+// a frame. As it was if no frame has a pose.
 BodyTrack steadied(const BodyTrack& track);
 
 BodyTrack track_of(const CapturedMotion& motion);

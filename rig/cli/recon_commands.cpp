@@ -71,7 +71,23 @@ json to_json(const recon::TakeReconstructionReport& report) {
           {"unaligned", report.unaligned}};
 }
 
-void print_alignment(const recon::TakeReconstructionReport& report) {
+// Frames of which the carried surface misses a good part, as half-open runs of neighbours.
+void print_missed(const std::vector<recon::FrameAlignment>& frames, const std::string& take) {
+  constexpr double kMissed = 0.15;  // of the surface: an arm and more
+  for (auto frame = frames.begin(); frame != frames.end();) {
+    frame = std::find_if(frame, frames.end(), [](const auto& f) { return f.uncovered > kMissed; });
+    if (frame == frames.end()) return;
+    const auto begin = frame;
+    double most = 0.0;
+    for (; frame != frames.end() && frame->uncovered > kMissed; ++frame) most = std::max(most, frame->uncovered);
+    fmt::print(
+        "  frames {}:{} do not fit: up to {:.0f} % of their surface is not reached. See what the motion is there with "
+        "`rotunda mocap {} -o motion.bvh --overlay motion.mp4`, or leave them out with --frames\n",
+        begin->frame, std::prev(frame)->frame + 1, 100.0 * most, take);
+  }
+}
+
+void print_alignment(const recon::TakeReconstructionReport& report, const std::string& take) {
   if (!report.unaligned.empty()) fmt::print("frames are not aligned: {}\n", report.unaligned);
   if (!report.alignment || report.alignment->frames.empty()) return;
   const auto& frames = report.alignment->frames;
@@ -90,16 +106,17 @@ void print_alignment(const recon::TakeReconstructionReport& report) {
       frames.size(), report.alignment->how, mean, p95, folds, stretch);
   if (!report.alignment->why_no_skeleton.empty())
     fmt::print("  no skeleton, so surfaces were followed from frame to frame: {}\n", report.alignment->why_no_skeleton);
+  print_missed(frames, take);
 }
 
-void print_report(const recon::TakeReconstructionReport& report) {
+void print_report(const recon::TakeReconstructionReport& report, const std::string& take) {
   fmt::print("{:<10} {:>6} {:>12} {:>12} {:>9}\n", "stage", "runs", "median ms", "CPU ms", "CPU s");
   for (const auto& stage : report.stages)
     fmt::print("{:<10} {:>6} {:>12.1f} {:>12.1f} {:>9.1f}\n", stage.stage, stage.count, stage.median_ms,
                stage.median_cpu_ms, stage.cpu_s);
   fmt::print("{} of {} frames mapped ({} from an earlier run) in {:.1f} s, {:.1f} s CPU\n", report.mapped,
              report.frames, report.resumed, report.wall_s, report.cpu_s);
-  print_alignment(report);
+  print_alignment(report, take);
   for (const auto& frame : report.failed) fmt::print("  frame {} failed: {}\n", frame.frame, frame.reason);
   if (!report.video.empty()) fmt::print("{}\n", report.video.string());
 }
@@ -111,12 +128,12 @@ void tell_moved(const recon::TakeReconstructionReport& report) {
       fmt::print(stderr, "warning: {}; fasten it and calibrate anew\n", recon::in_words(standing));
 }
 
-int tell(const recon::TakeReconstructionReport& report, bool as_json) {
+int tell(const recon::TakeReconstructionReport& report, const std::string& take, bool as_json) {
   tell_moved(report);
   if (as_json)
     fmt::print("{}\n", to_json(report).dump(2));
   else
-    print_report(report);
+    print_report(report, take);
   if (report.interrupted) fmt::print(stderr, "interrupted; the same command goes on where it stopped\n");
   if (report.mapped == 0 && !report.interrupted) {
     fmt::print(stderr, "rotunda: no frame could be reconstructed; first reason: {}\n", report.failed.front().reason);
@@ -164,7 +181,7 @@ int reconstruct(const CommandLine& line, ReconArguments arguments, std::stop_tok
     report = recon::reconstruct_take(
         options, [&](std::size_t done, std::size_t total) { bar.update(done, total); }, std::move(stop));
   }
-  return tell(report, line.json);
+  return tell(report, arguments.take, line.json);
 }
 
 struct MapArguments {
