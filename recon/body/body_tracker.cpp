@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "recon/body/arm_starts.h"
+#include "recon/body/limb_starts.h"
 
 namespace rotunda::recon {
 namespace {
@@ -15,14 +15,14 @@ using Eigen::AngleAxisd;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-constexpr std::size_t kMemory = 50;   // frames a typical residual is taken over
-constexpr std::size_t kPoses = 12;    // poses remembered for starting anew
-constexpr double kJump = 1.35;        // of the typical residual: something may be wrong
-constexpr double kJumpBy = 0.004;     // metres, at least
-constexpr double kLostShare = 0.55;   // of contour points with a partner: less is no fit
-constexpr std::size_t kSideTest = 8;  // frames between tests whether the legs are swapped
-constexpr std::size_t kArmTest = 8;   // and whether an arm is held otherwise,
-constexpr double kArmDoubt = 1.15;    // or at once with so much of the typical residual
+constexpr std::size_t kMemory = 50;  // frames a typical residual is taken over
+constexpr std::size_t kPoses = 12;   // poses remembered for starting anew
+constexpr double kJump = 1.35;       // of the typical residual: something may be wrong
+constexpr double kJumpBy = 0.004;    // metres, at least
+constexpr double kLostShare = 0.55;  // of contour points with a partner: less is no fit
+constexpr std::size_t kLegTest = 8;  // frames between tests whether the legs are held otherwise,
+constexpr std::size_t kArmTest = 8;  // or an arm;
+constexpr double kLimbDoubt = 1.15;  // at once with so much of the typical residual
 
 double median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -34,13 +34,6 @@ Pose turned(const Pose& pose, double degrees) {
   Pose result = pose;
   const Quaterniond turn(AngleAxisd(degrees * std::numbers::pi / 180.0, Vector3d::UnitZ()));
   result.rotation[0] = turn * pose.rotation[0];
-  return result;
-}
-
-Pose legs_swapped(const Pose& pose) {
-  const auto mirror = mirrored(pose);
-  Pose result = pose;
-  for (std::size_t j = index(BodyJoint::thigh_left); j < kBodyJoints; ++j) result.rotation[j] = mirror.rotation[j];
   return result;
 }
 
@@ -112,29 +105,32 @@ void BodyTracker::try_others(const FrameOutlines& frame, PoseFit& best) const {
   }
 }
 
-void BodyTracker::try_swapped_legs(const FrameOutlines& frame, PoseFit& best) const {
-  auto other = fit(frame, legs_swapped(best.pose), 0.10, false);
-  if (other.residual < 0.93 * best.residual) best = std::move(other);
-}
-
-// One arm is a tenth of all contours: where it fits instead of being hidden in the trunk, the whole residual falls by
-// few percent. What falls less is noise, and would make arms flip to and fro.
-bool BodyTracker::try_arms(const FrameOutlines& frame, PoseFit& best) const {
+// One limb is a tenth of all contours: where it fits instead of being hidden in the trunk or a skirt, the whole
+// residual falls by few percent. What falls less is noise, and would make limbs flip to and fro.
+bool BodyTracker::try_limbs(const FrameOutlines& frame, const std::vector<Pose>& starts, PoseFit& best) const {
   constexpr double kBetter = 0.97;
+  constexpr std::size_t kRefined = 2;
+  constexpr double kWide = 0.16;  // metres: a trunk that leant with the wrong limb has to come back too
   std::vector<PoseFit> coarse;
-  for (const auto& start : other_arms(best.pose))
+  for (const auto& start : starts)
     coarse.push_back(
         fit_pose(body_, frame, start, {.iterations = 4, .first_scale = 0.15, .last_scale = 0.08, .spacing_px = 12.0}));
   std::sort(coarse.begin(), coarse.end(), [](const PoseFit& a, const PoseFit& b) { return a.residual < b.residual; });
-  coarse.resize(2);
+  coarse.resize(std::min(kRefined, coarse.size()));
   bool otherwise = false;
   for (const auto& start : coarse) {
-    auto other = fit(frame, start.pose, 0.10, false);
+    auto other = fit(frame, start.pose, kWide, false);
     if (other.residual >= kBetter * best.residual) continue;
     best = std::move(other);
     otherwise = true;
   }
   return otherwise;
+}
+
+// Changed places is what happens most: it is not left to a coarse fit to say so.
+bool BodyTracker::try_legs(const FrameOutlines& frame, PoseFit& best) const {
+  const bool swapped = try_limbs(frame, {legs_swapped(best.pose)}, best);
+  return try_limbs(frame, other_legs(best.pose), best) || swapped;
 }
 
 void BodyTracker::remember(const PoseFit& fit) {
@@ -167,13 +163,13 @@ TrackedPose BodyTracker::track(const FrameOutlines& frame) {
   if (!options_.only_overlap) {
     const bool doubtful = is_doubtful(tracked.fit);
     const double before = tracked.fit.residual;
-    if (doubtful || lost_ > 0)
-      try_others(frame, tracked.fit);
-    else if (++frames_ % kSideTest == 0)
-      try_swapped_legs(frame, tracked.fit);
-    const bool look = frames_ % kArmTest == kArmTest / 2 || tracked.fit.residual > kArmDoubt * median(residuals_);
-    const bool arms = look && try_arms(frame, tracked.fit);
-    if (arms || (doubtful && tracked.fit.residual < before)) tracked.state = TrackState::recovered;
+    if (doubtful || lost_ > 0) try_others(frame, tracked.fit);
+    ++frames_;
+    const bool look = tracked.fit.residual > kLimbDoubt * median(residuals_);
+    const bool arms =
+        (look || frames_ % kArmTest == kArmTest / 2) && try_limbs(frame, other_arms(tracked.fit.pose), tracked.fit);
+    const bool legs = (look || frames_ % kLegTest == 0) && try_legs(frame, tracked.fit);
+    if (arms || legs || (doubtful && tracked.fit.residual < before)) tracked.state = TrackState::recovered;
   }
   if (tracked.fit.explained < kLostShare)
     return lose(

@@ -1,7 +1,7 @@
 #pragma once
 // Follows a person from frame to frame: predicts, fits, and where the silhouettes disagree tries several other poses
 // (the last one, sides swapped, turned round, poses seen before, standing) and keeps the best; now and then it looks
-// whether the legs are swapped or an arm is held otherwise. World, metres.
+// whether an arm or the legs are held otherwise. World, metres.
 #include <optional>
 #include <vector>
 
@@ -32,8 +32,9 @@ class BodyTracker {
   PoseFit fit(const FrameOutlines& frame, const Pose& start, double first_scale, bool expect) const;
   bool is_doubtful(const PoseFit& fit) const;
   void try_others(const FrameOutlines& frame, PoseFit& best) const;
-  void try_swapped_legs(const FrameOutlines& frame, PoseFit& best) const;
-  bool try_arms(const FrameOutlines& frame, PoseFit& best) const;  // true: held otherwise, and fits better
+  // True: one of the starts led to what fits better.
+  bool try_limbs(const FrameOutlines& frame, const std::vector<Pose>& starts, PoseFit& best) const;
+  bool try_legs(const FrameOutlines& frame, PoseFit& best) const;
   Pose predicted() const;
   void remember(const PoseFit& fit);
 

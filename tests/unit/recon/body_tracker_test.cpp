@@ -9,6 +9,7 @@
 
 #include "recon/body/body_track.h"
 #include "recon/body/captured_motion.h"
+#include "recon/body/limb_starts.h"
 #include "recon/export/motion_glb.h"
 #include "tests/support/template_scene.h"
 
@@ -122,6 +123,18 @@ TEST(BodyTracker, FindsAnArmThatIsHeldOtherwise) {
   }
   EXPECT_LT(hand(last.fit.pose), 0.04);
   EXPECT_TRUE(told);
+}
+
+TEST(BodyTracker, FindsLegsThatAreHeldOtherwise) {
+  const auto body = template_of_height(1.75);
+  const auto truth = walking_pose(body, 0.25);
+  const auto frame = outlines_of(body, truth, ring_around_person(8));
+  const auto caught = fit_pose(body, frame, legs_swapped(truth), {.iterations = 12, .first_scale = 0.04});
+  ASSERT_GT(mean_joint_error(body.skeleton, caught.pose, body.skeleton, truth), 0.08) << "no local minimum";
+  BodyTracker tracker(body, caught, {});
+  TrackedPose last;
+  for (int i = 0; i < 8; ++i) last = tracker.track(frame);
+  EXPECT_LT(mean_joint_error(body.skeleton, last.fit.pose, body.skeleton, truth), 0.02);
 }
 
 TEST(BodyTrack, IsNotFilteredAcrossACut) {

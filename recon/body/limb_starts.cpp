@@ -1,6 +1,7 @@
-#include "recon/body/arm_starts.h"
+#include "recon/body/limb_starts.h"
 
 #include <numbers>
+#include <utility>
 
 namespace rotunda::recon {
 namespace {
@@ -48,6 +49,29 @@ std::vector<Pose> other_arms(const Pose& pose) {
       for (int quarter = 0; quarter < 4; ++quarter) poses.push_back(bent(pose, arm, quarter * kQuarter, bend));
     poses.push_back(as_the_other(pose, arm));
   }
+  return poses;
+}
+
+Pose legs_swapped(const Pose& pose) {
+  const auto mirror = mirrored(pose);
+  Pose result = pose;
+  for (std::size_t j = index(BodyJoint::thigh_left); j < kBodyJoints; ++j) result.rotation[j] = mirror.rotation[j];
+  return result;
+}
+
+std::vector<Pose> other_legs(const Pose& pose) {
+  constexpr double kForwards = -0.9, kBack = 0.3;  // of the thigh about the pelvis' y, radians
+  constexpr double kStraight = 0.1, kBent = 1.4;   // of the knee
+  std::vector<Pose> poses;
+  for (const auto& [thigh, shank] : {std::pair(BodyJoint::thigh_left, BodyJoint::shank_left),
+                                     std::pair(BodyJoint::thigh_right, BodyJoint::shank_right)})
+    for (const double swing : {kForwards, kBack})
+      for (const double bend : {kStraight, kBent}) {
+        auto other = pose;
+        turn(other, thigh) = Quaterniond(AngleAxisd(swing, Eigen::Vector3d::UnitY()));
+        turn(other, shank) = rotation_at(range_of(shank), bend * range_of(shank).hinge);
+        poses.push_back(within_limits(other));
+      }
   return poses;
 }
 
