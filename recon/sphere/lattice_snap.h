@@ -1,5 +1,5 @@
 #pragma once
-// Private to recon/sphere: the last step of relaxed_lattice, and what both steps share.
+// Private to recon/sphere: the step of relaxed_lattice before its last, and what its steps share.
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>

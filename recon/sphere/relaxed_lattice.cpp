@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "recon/sphere/independent_sets.h"
+#include "recon/sphere/lattice_settle.h"
 #include "recon/sphere/lattice_snap.h"
 #include "recon/sphere/octahedral_lattice.h"
 #include "recon/sphere/sphere_locator.h"
@@ -138,7 +139,8 @@ std::vector<Eigen::Vector3d> relaxed_lattice(const TriangleMesh& mesh, const Sph
     directions = relaxation.directions();
     triangles = relaxation.triangles();
   }
-  return snap_to_corners(mesh, map, level, directions, triangles);
+  directions = snap_to_corners(mesh, map, level, directions, triangles);
+  return settle_on_creases(mesh, map, level, directions, triangles);
 }
 
 }  // namespace rotunda::recon

@@ -4,7 +4,7 @@
 //     Delta(s_i) = sum_i' w_i' (s_i' - s_i) / sum_i' w_i' ,   w_i' = D0(s_i') / D(s_i') ,
 // with the density read along each edge: w_i' = sqrt(|X_i' - X_i| / |s_i' - s_i|), X the surface's position and, scaled
 // to a length, its normal. From coarse to fine, starting from the equal-area octant map. Last, samples next to corners
-// of the surface that the lattice would cut off are put upon them, each within its own 1-ring.
+// of the surface that the lattice would cut off are put upon them, and edges that cross creases are turned along them.
 // Triangles of the lattice stay counter-clockwise (exact). Pure; the same result on any number of threads.
 #include <Eigen/Core>
 #include <vector>

@@ -44,6 +44,15 @@ TEST_F(RelaxedStarfish, FollowsTheSurfaceCloserThanAnEvenLattice) {
   EXPECT_LT(relaxed.p99, even.p99);
 }
 
+// An icosahedron of radius 1.9 has thirty creases, and nothing in between; samples are 0.18 apart. Not laid along the
+// creases the lattice is off by 0.0014 in the mean and 0.012 at p99.
+TEST(RelaxedLattice, LaysItsEdgesAlongCreases) {
+  const auto mesh = tests::icosphere(0);
+  const auto error = tests::symmetric_distance(mesh, remesh(resample(mesh, map_to_sphere(mesh).map.value(), 5)), 20000);
+  EXPECT_LT(error.mean, 0.0009);
+  EXPECT_LT(error.p99, 0.009);
+}
+
 TEST_F(RelaxedStarfish, IsTheSameOnOneThread) {
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
   EXPECT_EQ(map_to_sphere(mesh_).map.value().points, map_.points);
