@@ -33,18 +33,19 @@ enum class VideoProfile {
 std::string_view to_string(VideoProfile profile);  // "master", "float", "stream"
 
 struct GeometryVideoHeader {
-  int version = 1;  // as read; what is written has 3 for a master with a mean, 1 for one without, 2 for the others
+  int version = 1;  // as read; what is written has 4 for a master with a mean, 1 for one without, 2 for the others
   VideoProfile profile = VideoProfile::master;
   int level = 8;         // positions: (2^level + 1)^2
   int colour_level = 8;  // colours and coverage
   bool aligned = false;  // a sample is the same point of the performer in every frame
   double fps = 25.0;
-  std::int64_t first_frame = 0;            // the take's number of frame 0
-  Eigen::AlignedBox3d box;                 // of all positions relative to their frame's root, metres
-  bool from_mean = false;                  // positions are kept as what they differ from mean; stream: always
-  Eigen::AlignedBox3d difference_box;      // from_mean: of the differences, equal in all axes; the writer fits it
-  std::vector<Eigen::Vector3d> root_path;  // per frame, world, metres
-  std::vector<FrameStatus> statuses;       // per frame
+  std::int64_t first_frame = 0;                 // the take's number of frame 0
+  Eigen::AlignedBox3d box;                      // of all positions relative to their frame's root, metres
+  bool from_mean = false;                       // positions are kept as what they differ from mean; stream: always
+  Eigen::AlignedBox3d difference_box;           // from_mean: of the differences, equal in all axes; the writer fits it
+  std::vector<Eigen::Vector3d> root_path;       // per frame, world, metres
+  std::vector<FrameStatus> statuses;            // per frame
+  std::vector<std::uint32_t> colour_checksums;  // version 4: CRC-32C of a frame's colours, red first, row by row
 
   int frame_count() const { return static_cast<int>(root_path.size()); }
 };

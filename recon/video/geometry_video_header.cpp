@@ -4,8 +4,10 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "capture/base/crc32c.h"
 #include "config/errors.h"
 #include "recon/video/geometry_video.h"
+#include "recon/video/geometry_video_streams.h"
 
 namespace rotunda::recon {
 namespace {
@@ -62,6 +64,8 @@ void read_frames(const json& frames, GeometryVideoHeader& header) {
     const auto status = frame.at("status").get<std::string>();
     if (status != "mapped" && status != "interpolated") corrupt("unknown frame status \"" + status + "\"");
     header.statuses.push_back({status == "interpolated", frame.value("reason", "")});
+    if (header.version >= kColourChecksumVersion)
+      header.colour_checksums.push_back(frame.at("colour_crc32c").get<std::uint32_t>());
   }
 }
 
@@ -69,10 +73,10 @@ GeometryVideoHeader parse(const json& j) {
   if (j.at("format").get<std::string>() != kFormat) corrupt("this is no geometry video");
   GeometryVideoHeader header;
   header.version = j.at("version").get<int>();
-  if (header.version < 1 || header.version > 3)
-    corrupt(
-        fmt::format("version {}, this program reads versions 1 to 3; use the program that wrote it", header.version));
-  header.from_mean = header.version == 3;
+  if (header.version < 1 || header.version > kColourChecksumVersion)
+    corrupt(fmt::format("version {}, this program reads versions 1 to {}; use the program that wrote it",
+                        header.version, kColourChecksumVersion));
+  header.from_mean = header.version >= 3;
   if (header.version == 2) header.profile = profile_of(j.at("profile").get<std::string>());
   if (j.at("unit").get<std::string>() != "m") corrupt("unit is not \"m\"");
   header.level = level_of(j, "level");
@@ -89,12 +93,16 @@ GeometryVideoHeader parse(const json& j) {
   return header;
 }
 
+}  // namespace
+
 int version_of(const GeometryVideoHeader& header) {
   if (header.profile != VideoProfile::master) return 2;
-  return header.from_mean ? 3 : 1;
+  return header.from_mean ? kColourChecksumVersion : 1;
 }
 
-}  // namespace
+std::uint32_t checksum_of(const std::vector<Colour>& colours) {
+  return capture::crc32c({reinterpret_cast<const std::uint8_t*>(colours.data()), colours.size() * sizeof(Colour)});
+}
 
 std::string_view to_string(VideoProfile profile) {
   if (profile == VideoProfile::master) return "master";
@@ -107,6 +115,7 @@ std::string to_json(const GeometryVideoHeader& header) {
     const FrameStatus& status = header.statuses.at(i);
     json frame = {{"root", json_of(header.root_path[i])}, {"status", status.interpolated ? "interpolated" : "mapped"}};
     if (!status.reason.empty()) frame["reason"] = status.reason;
+    if (version_of(header) >= kColourChecksumVersion) frame["colour_crc32c"] = header.colour_checksums.at(i);
     frames.push_back(std::move(frame));
   }
   json j = {{"format", kFormat},
@@ -169,6 +178,7 @@ void add_frame(GeometryVideoHeader& header, const GeometryImage& image, FrameSta
   for (const Eigen::Vector3f& position : image.positions) header.box.extend(position.cast<double>() - root);
   header.root_path.push_back(root);
   header.statuses.push_back(std::move(status));
+  header.colour_checksums.push_back(checksum_of(image.colours));
 }
 
 }  // namespace rotunda::recon

@@ -48,6 +48,13 @@ std::vector<Colour> colours_of_ycbcr(const std::vector<cv::Mat>& planes) {
   return colours;
 }
 
+std::vector<Colour> colours_of_gbr(const std::vector<cv::Mat>& planes) {
+  std::vector<Colour> colours(planes[0].total());
+  cv::Mat rgb(planes[0].size(), CV_8UC3, colours.data());
+  cv::merge(std::vector<cv::Mat>{planes[2], planes[0], planes[1]}, rgb);
+  return colours;
+}
+
 std::vector<Colour> colours_of(const cv::Mat& bgr0) {
   std::vector<Colour> colours(bgr0.total());
   const auto* pixel = bgr0.ptr<cv::Vec4b>();
@@ -83,13 +90,23 @@ void blend(GeometryImage& a, const GeometryImage& b, float share) {
 }  // namespace
 
 struct GeometryVideoReader::State {
+  std::filesystem::path file;
   MediaReader media;
   GeometryVideoHeader header;
   PositionCoding positions;
 
-  explicit State(const std::filesystem::path& file)
-      : media(file), header(read_header(media, file)), positions(read_coding(media, header, file)) {
+  explicit State(const std::filesystem::path& name)
+      : file(name), media(file), header(read_header(media, file)), positions(read_coding(media, header, file)) {
     media.expect(geometry_video_streams(header), header.fps);
+  }
+
+  std::vector<Colour> colours(const std::vector<cv::Mat>& planes, int frame) const {
+    if (header.profile == VideoProfile::stream) return colours_of_ycbcr(planes);
+    if (header.version < kColourChecksumVersion) return colours_of(planes[0]);
+    auto colours = colours_of_gbr(planes);
+    if (checksum_of(colours) != header.colour_checksums[static_cast<std::size_t>(frame)])
+      throw CorruptData(file, 0, fmt::format("frame {}, stream colour is damaged (checksum)", frame));
+    return colours;
   }
 
   GeometryImage read(int frame, const FrameReadOptions& options) {
@@ -106,7 +123,7 @@ struct GeometryVideoReader::State {
     image.level = level;
     image.positions = positions.decode(pictures, root, 1 << (header.level - level));
     image.colour_level = header.colour_level;
-    image.colours = header.profile == VideoProfile::stream ? colours_of_ycbcr(pictures[1]) : colours_of(pictures[1][0]);
+    image.colours = colours(pictures[1], frame);
     if (options.drawn) return image;
     image.normals = lattice_normals(image.positions, level);
     image.coverage.assign(pictures[kCoverageStream][0].datastart, pictures[kCoverageStream][0].dataend);

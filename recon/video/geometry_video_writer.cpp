@@ -31,7 +31,14 @@ GeometryVideoHeader with_differences(GeometryVideoHeader header, const MeanSurfa
   if (!header.from_mean && header.profile == VideoProfile::stream)
     throw InvalidInput("a geometry video to be streamed needs the mean of its positions");
   if (header.from_mean) header.difference_box = difference_box(header, mean);
+  header.version = version_of(header);
   return header;
+}
+
+std::vector<cv::Mat> gbr_planes(const GeometryImage& image) {
+  std::vector<cv::Mat> planes;
+  cv::split(colour_picture(image), planes);
+  return {planes[1], planes[2], planes[0]};
 }
 
 cv::Mat colour_plane(const GeometryImage& image) {
@@ -100,6 +107,11 @@ void GeometryVideoWriter::write(const GeometryImage& image) {
   state_->media.write(0, positions[0]);
   if (header.profile == VideoProfile::stream) {
     state_->media.write(1, ycbcr_planes(image));
+  } else if (header.version >= kColourChecksumVersion) {
+    if (checksum_of(image.colours) != header.colour_checksums.at(static_cast<std::size_t>(state_->written)))
+      throw InvalidInput(
+          fmt::format("frame {} of the geometry video has other colours than the header was told of", state_->written));
+    state_->media.write(1, gbr_planes(image));
   } else {
     const cv::Mat colours = colour_plane(image);
     state_->media.write(1, std::span(&colours, 1));

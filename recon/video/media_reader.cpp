@@ -57,7 +57,7 @@ std::string codec_name(const std::string& encoder) {
 }
 
 bool stands_alone(const VideoStream& stream) {
-  return stream.codec == "ffv1" || stream.codec == "rawvideo";
+  return stream.codec == "ffv1" || stream.codec == "utvideo" || stream.codec == "rawvideo";
 }
 
 capture::AvCodec open_decoder(const AVStream& stream, const std::string& file) {

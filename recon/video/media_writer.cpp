@@ -120,6 +120,15 @@ VideoStream lossless_stream(std::string title, std::string pixel_format, int sid
           .codec_options = {{"level", "3"}, {"slices", "4"}, {"slicecrc", "1"}, {"g", "1"}}};
 }
 
+VideoStream quick_lossless_stream(std::string title, int side) {
+  return {.title = std::move(title),
+          .codec = "utvideo",
+          .pixel_format = "gbrp",
+          .width = side,
+          .height = side,
+          .codec_options = {{"pred", "median"}}};
+}
+
 VideoStream hevc_stream(std::string title, std::string pixel_format, int side, const std::string& quality) {
   return {.title = std::move(title),
           .codec = "libx265",
