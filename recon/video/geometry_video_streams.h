@@ -30,9 +30,10 @@ inline std::filesystem::path beside(std::filesystem::path file, const std::strin
 inline std::vector<VideoStream> geometry_video_streams(const GeometryVideoHeader& header) {
   const int side = (1 << header.level) + 1, colour_side = (1 << header.colour_level) + 1;
   if (header.profile == VideoProfile::stream)
-    // Grain that pleases the eye is error in a position.
-    return {hevc_stream("position", "yuv444p12le", side, "qp=0:psy-rd=0:psy-rdoq=0"),
-            hevc_stream("colour", "yuv444p", colour_side, "crf=25"),
+    // Grain that pleases the eye is error in a position; noise in colours is nothing to spend bits on, least in hues.
+    return {hevc_stream("position", "yuv444p12le", side, "qp=5:psy-rd=0:psy-rdoq=0"),
+            hevc_stream("colour", "yuv444p", colour_side,
+                        "crf=21.3:aq-mode=0:psy-rd=0:psy-rdoq=0:cbqpoffs=8:crqpoffs=8:rd=4:subme=3:rdoq-level=2"),
             hevc_stream("coverage", "gray", colour_side, "lossless=1")};
   std::vector<VideoStream> streams{lossless_stream("position", "yuv444p16le", side),
                                    header.version >= kColourChecksumVersion

@@ -76,33 +76,45 @@ std::vector<Planes> PositionCoding::encode(const std::vector<Eigen::Vector3f>& p
 
 std::vector<Eigen::Vector3f> PositionCoding::decode(std::span<const Planes> pictures, const Eigen::Vector3d& root,
                                                     int stride) const {
-  const Eigen::Vector3d low = box_.min() + root, metres_per_step = box_.sizes() / steps_;
   const auto samples = static_cast<std::size_t>((side_ - 1) / stride + 1);
-  std::vector<Eigen::Vector3f> positions;
-  positions.reserve(samples * samples);
-  for (int row = 0; row < side_; row += stride) {
-    std::array<const std::uint16_t*, 3> upper{}, lower{};
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      upper[axis] = pictures.front()[axis].ptr<std::uint16_t>(row);
-      lower[axis] = profile_ == VideoProfile::float32 ? pictures.back()[axis].ptr<std::uint16_t>(row) : nullptr;
-    }
-    for (int column = 0; column < side_; column += stride) {
-      Eigen::Vector3d place(upper[0][column], upper[1][column], upper[2][column]);
-      if (profile_ == VideoProfile::float32) {
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-          const auto bits = (std::uint32_t{upper[axis][column]} << 16) | lower[axis][column];
-          place[static_cast<Eigen::Index>(axis)] = std::bit_cast<float>(bits);
-        }
-        if (!place.allFinite()) throw CorruptData("a position is not a finite number");
-        place += root;
-      } else {
-        place = low + metres_per_step.cwiseProduct(place);
-        if (!mean_.empty()) place += mean_[static_cast<std::size_t>(row * side_ + column)];
-      }
-      positions.push_back(place.cast<float>());
-    }
+  std::vector<Eigen::Vector3f> positions(samples * samples);
+  auto* next = positions.data();
+  for (int row = 0; row < side_; row += stride, next += samples) {
+    if (profile_ == VideoProfile::float32)
+      decode_floats(pictures, root, row, stride, next);
+    else
+      decode_steps(pictures.front(), root, row, stride, next);
   }
   return positions;
+}
+
+void PositionCoding::decode_floats(std::span<const Planes> pictures, const Eigen::Vector3d& root, int row, int stride,
+                                   Eigen::Vector3f* to) const {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto* upper = pictures.front()[axis].ptr<std::uint16_t>(row);
+    const auto* lower = pictures.back()[axis].ptr<std::uint16_t>(row);
+    const auto a = static_cast<Eigen::Index>(axis);
+    for (int column = 0, i = 0; column < side_; column += stride, ++i) {
+      const auto value = std::bit_cast<float>((std::uint32_t{upper[column]} << 16) | lower[column]);
+      if (!std::isfinite(value)) throw CorruptData("a position is not a finite number");
+      to[i][a] = static_cast<float>(static_cast<double>(value) + root[a]);
+    }
+  }
+}
+
+// Axis by axis, so that the compiler makes it wide.
+void PositionCoding::decode_steps(const Planes& planes, const Eigen::Vector3d& root, int row, int stride,
+                                  Eigen::Vector3f* to) const {
+  const Eigen::Vector3d low = box_.min() + root, metres_per_step = box_.sizes() / steps_;
+  const auto first = static_cast<std::size_t>(row) * static_cast<std::size_t>(side_);
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    const auto* steps = planes[static_cast<std::size_t>(axis)].ptr<std::uint16_t>(row);
+    const double origin = low[axis], scale = metres_per_step[axis];
+    for (int column = 0, i = 0; column < side_; column += stride, ++i) {
+      const double mean = mean_.empty() ? 0.0 : mean_[first + static_cast<std::size_t>(column)][axis];
+      to[i][axis] = static_cast<float>(origin + scale * steps[column] + mean);
+    }
+  }
 }
 
 Eigen::AlignedBox3d difference_box(const GeometryVideoHeader& header, const MeanSurface& mean) {

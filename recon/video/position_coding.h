@@ -26,6 +26,12 @@ class PositionCoding {
                                       int stride) const;
 
  private:
+  // One row, every stride-th sample.
+  void decode_floats(std::span<const std::vector<cv::Mat>> pictures, const Eigen::Vector3d& root, int row, int stride,
+                     Eigen::Vector3f* to) const;
+  void decode_steps(const std::vector<cv::Mat>& planes, const Eigen::Vector3d& root, int row, int stride,
+                    Eigen::Vector3f* to) const;
+
   VideoProfile profile_;
   int side_;
   Eigen::AlignedBox3d box_;
