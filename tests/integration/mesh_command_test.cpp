@@ -83,6 +83,17 @@ TEST_F(MeshCommand, MapsAMeshToTheSphereAndBack) {
   EXPECT_TRUE(fs::exists(folder() / "image.png"));
 }
 
+// As marching cubes makes them: two corners in one place, two triangles of 20,480 without area.
+TEST_F(MeshCommand, TellsOfTheOddTriangleWithoutAreaAndMapsIt) {
+  auto mesh = icosphere(5);
+  mesh.positions[mesh.triangles[0][0]] = mesh.positions[mesh.triangles[0][1]];
+  write_as_text(folder() / "ball.ply", mesh);
+  const auto outcome = rotunda({"map", (folder() / "ball.ply").string(), "--json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("2 triangle(s) of no area"));
+  EXPECT_EQ(nlohmann::json::parse(outcome.out).at("flips"), 0);
+}
+
 TEST_F(MeshCommand, RefusesEachBadMeshByName) {
   auto open = icosphere(2), not_a_number = open, without_area = open;
   open.triangles.pop_back();
