@@ -9,6 +9,7 @@
 #include <mutex>
 #include <utility>
 
+#include "capture/base/timely_thread.h"
 #include "capture/source/aravis_camera.h"
 #include "capture/source/aravis_features.h"
 #include "capture/source/aravis_frames.h"
@@ -24,7 +25,6 @@ namespace rotunda::capture {
 namespace {
 
 constexpr int least_packet = 576;           // bytes, that GigE Vision asks of every link
-constexpr int stream_thread_priority = 10;  // of SCHED_RR: late packets are lost packets
 
 class AravisSource;
 
@@ -333,8 +333,7 @@ void AravisSource::on_stream(void* data, ArvStreamCallbackType type, ArvBuffer* 
 void AravisSource::hear_stream(ArvStreamCallbackType type, const ArvBuffer* done) {
   if (type == ARV_STREAM_CALLBACK_TYPE_INIT) {
     pthread_setname_np(pthread_self(), settings_.camera.substr(0, 15).c_str());
-    const sched_param priority{.sched_priority = stream_thread_priority};
-    pthread_setschedparam(pthread_self(), SCHED_RR, &priority);  // where the system allows it
+    make_this_thread_timely();
   } else if (type == ARV_STREAM_CALLBACK_TYPE_BUFFER_DONE && stream_) {
     if (ArvBuffer* buffer = pop_done(stream_.get(), done, *pool_)) frames_.hand_on(buffer, *pool_);
     pool_->top_up();

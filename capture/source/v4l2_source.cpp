@@ -12,6 +12,7 @@
 #include <thread>
 #include <utility>
 
+#include "capture/base/timely_thread.h"
 #include "capture/source/pixel_pool.h"
 #include "capture/source/v4l2_camera.h"
 #include "capture/ycbcr_picture.h"
@@ -22,7 +23,6 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr int kStreamThreadPriority = 10;  // of SCHED_RR, as with GigE Vision cameras
 constexpr auto kLookForStop = 100ms;       // at the latest; stopping the stream wakes the thread at once
 // A camera that runs by itself and is silent this long, or for so many of its periods, hangs: opening it anew helps.
 constexpr auto kLongestSilence = 3s;
@@ -182,8 +182,7 @@ void V4l2Source::close() noexcept {
 
 void V4l2Source::stream(std::stop_token stop) noexcept {
   pthread_setname_np(pthread_self(), settings_.camera.substr(0, 15).c_str());
-  const sched_param priority{.sched_priority = kStreamThreadPriority};
-  pthread_setschedparam(pthread_self(), SCHED_RR, &priority);  // where the system allows it
+  make_this_thread_timely();
   int errors = 0;
   while (!stop.stop_requested()) {
     const bool ready = camera_->wait(kLookForStop);

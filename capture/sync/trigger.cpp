@@ -5,6 +5,7 @@
 #include <condition_variable>
 #include <utility>
 
+#include "capture/base/timely_thread.h"
 #include "config/errors.h"
 
 namespace rotunda::capture {
@@ -69,6 +70,7 @@ void TriggerSchedule::rethrow_failure() const {
 
 void TriggerSchedule::run(std::stop_token stop) {
   pthread_setname_np(pthread_self(), "trigger");
+  make_this_thread_timely();
   for (std::uint64_t k = 0; !options_.count || k < *options_.count; ++k) {
     const Trigger trigger{k, options_.grid.time_of(k)};
     if (!sleep_until(trigger.at - options_.lead, stop) || !fire_one(trigger)) break;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "capture/base/timely_thread.h"
 #include "simulator/gige/gige_studio_impl.h"
 
 namespace rotunda::simulator {
@@ -12,6 +13,7 @@ using capture::Timestamp;
 
 void GigeStudio::Impl::control_loop() {
   prctl(PR_SET_NAME, "gige-control");
+  capture::make_this_thread_timely();  // cameras do not wait for this machine
   std::array<epoll_event, 16> events{};
   std::chrono::nanoseconds wait = kLongestWait;
   while (!control_stopping) {

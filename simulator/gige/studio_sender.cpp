@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "capture/base/timely_thread.h"
 #include "simulator/gige/gige_studio_impl.h"
 
 namespace rotunda::simulator {
@@ -49,6 +50,7 @@ GvspFrame gvsp_frame(const DueFrame& due, std::span<const std::uint8_t> picture,
 void GigeStudio::Impl::sender_loop() {
   prctl(PR_SET_NAME, "gige-sender");
   prctl(PR_SET_TIMERSLACK, 1);
+  capture::make_this_thread_timely();  // cameras do not wait for this machine
   for (;;) {
     const auto errands = collect(RigClock::now());
     if (errands.empty()) return;

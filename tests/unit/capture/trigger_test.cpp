@@ -1,9 +1,11 @@
 #include "capture/sync/trigger.h"
 
 #include <gtest/gtest.h>
+#include <pthread.h>
 
 #include <cmath>
 #include <stdexcept>
+#include <thread>
 #include <vector>
 
 #include "config/errors.h"
@@ -39,6 +41,32 @@ TEST(TriggerGrid, PeriodIsTheNearestNanosecondOfTheRate) {
   EXPECT_EQ(period_of(25), 40ms);
   EXPECT_EQ(period_of(30), 33333333ns);
   for (const double rate : {0.0, -1.0, 1e9, std::nan("")}) EXPECT_THROW(period_of(rate), InvalidInput) << rate;
+}
+
+int scheduling_of_this_thread() {
+  int policy = SCHED_OTHER;
+  sched_param priority{};
+  pthread_getschedparam(pthread_self(), &policy, &priority);
+  return policy;
+}
+
+bool may_be_timely() {
+  bool may = false;
+  std::thread([&] {
+    const sched_param priority{.sched_priority = 1};
+    may = pthread_setschedparam(pthread_self(), SCHED_RR, &priority) == 0;
+  }).join();
+  return may;
+}
+
+TEST(TriggerSchedule, GoesBeforeAllThatIsNotAsPressing) {
+  if (!may_be_timely()) GTEST_SKIP() << "this user may have no thread of real-time priority; be root";
+  int policy = SCHED_OTHER;
+  TriggerSchedule schedule(immediate_triggers(1000, 100, RigClock::now()),
+                           [&](const Trigger&) { policy = scheduling_of_this_thread(); });
+  schedule.wait();
+  EXPECT_EQ(policy, SCHED_RR);
+  EXPECT_EQ(scheduling_of_this_thread(), SCHED_OTHER) << "and no other thread";
 }
 
 TEST(TriggerSchedule, HandsOutExactlyTheCountOnTheGridAheadOfTime) {
