@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 
 #include "capture/take/take_reader.h"
@@ -79,7 +80,48 @@ cv::Mat painted(FramePainter& painter, int frame, const Viewpoint& viewpoint) {
   return target.read_rgba();
 }
 
+struct NumberedImage {
+  std::size_t frame;
+  recon::GeometryImage image;
+};
+
+// Positions of all, then colours of all.
+std::vector<CaptionedPicture> image_row(const std::vector<NumberedImage>& images, const std::string& how) {
+  std::vector<CaptionedPicture> row;
+  for (const auto& [frame, image] : images)
+    row.push_back({recon::position_picture(image), fmt::format("frame {}, {}", frame, how)});
+  for (const auto& [frame, image] : images) row.push_back({recon::colour_picture(image), "its colours"});
+  return row;
+}
+
+recon::GeometryImage own_image(const fs::path& take, std::size_t frame) {
+  if (auto image = recon::frame_image(take, frame)) return *std::move(image);
+  throw InvalidInput(fmt::format("frame {} of {} could not be mapped by itself; choose another --frame", frame,
+                                 take.string()));
+}
+
 }  // namespace
+
+cv::Mat figure_of_alignment(const fs::path& folder, const ContactSheetOptions& options) {
+  constexpr int kStep = 5;  // frames
+  auto first = open_frame(folder, options.frame);
+  if (!first.video.header().aligned)
+    throw InvalidInput(folder.string() + ": its frames are not aligned; `rotunda recon` tells why");
+  const int left = first.video.frame_count() - 1 - first.index;
+  const int step = std::min(kStep, left / 2);
+  if (step < 1)
+    throw InvalidInput(fmt::format("{} has {} frames after frame {}; figure 2 shows three: choose an earlier --frame",
+                                   folder.string(), left, options.frame));
+  std::vector<NumberedImage> own, aligned;
+  for (int i = 0; i < 3; ++i) {
+    const auto frame = options.frame + static_cast<std::size_t>(i * step);
+    own.push_back({frame, own_image(folder, frame)});
+    aligned.push_back({frame, first.video.read(first.index + i * step)});
+  }
+  auto square = options;
+  square.tile_height = options.tile_width;
+  return tile({image_row(own, "mapped by itself"), image_row(aligned, "aligned")}, square);
+}
 
 cv::Mat figure_of_stages(const fs::path& folder, const ContactSheetOptions& options) {
   auto frame = open_frame(folder, options.frame);

@@ -9,6 +9,7 @@
 #include "capture/picture.h"
 #include "config/errors.h"
 #include "config/rig_config.h"
+#include "recon/geometry_image_file.h"
 #include "recon/mesh/mesh_file.h"
 #include "recon/take_plates.h"
 
@@ -104,6 +105,13 @@ std::optional<TriangleMesh> frame_surface(const fs::path& take, std::size_t fram
   const auto file = take / "recon" / "frames" / capture::frame_file_name(frame, "ply");
   if (!fs::exists(file)) return std::nullopt;
   return read_ply(file);
+}
+
+std::optional<GeometryImage> frame_image(const fs::path& take, std::size_t frame) {
+  const auto folder = take / "recon" / "frames";
+  const auto colours = folder / capture::frame_file_name(frame, "colour.png");
+  if (!fs::exists(colours)) return std::nullopt;
+  return read_geometry_image(folder / capture::frame_file_name(frame, "tiff"), colours);
 }
 
 }  // namespace rotunda::recon

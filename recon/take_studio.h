@@ -6,6 +6,7 @@
 
 #include "capture/take/take_reader.h"
 #include "recon/frame_reconstruction.h"
+#include "recon/sphere/geometry_image.h"
 
 namespace rotunda::recon {
 
@@ -26,5 +27,7 @@ std::vector<capture::Matte> given_mattes(const capture::TakeReader& take, std::s
 std::filesystem::path geometry_video_of(const std::filesystem::path& take);
 // One frame's closed surface as the reconstruction left it; nothing if it failed or was not made.
 std::optional<TriangleMesh> frame_surface(const std::filesystem::path& take, std::size_t frame);
+// Its geometry image by its own map, before frames were aligned; likewise.
+std::optional<GeometryImage> frame_image(const std::filesystem::path& take, std::size_t frame);
 
 }  // namespace rotunda::recon

@@ -98,8 +98,10 @@ int draw_figure(const CommandLine& line, const std::string& clip, const fs::path
                 int figure) {
   const auto take = find_take(line, clip);
   const playback::ContactSheetOptions options{.frame = frame, .tile_width = 240, .tile_height = 320};
-  capture::write_png(picture, figure == 1 ? playback::figure_of_stages(take, options)
-                                          : playback::figure_of_quantisation(take, options));
+  const auto draw = figure == 1   ? playback::figure_of_stages
+                    : figure == 2 ? playback::figure_of_alignment
+                                  : playback::figure_of_quantisation;
+  capture::write_png(picture, draw(take, options));
   if (!line.json) fmt::print("{}\n", picture.string());
   return kDone;
 }
@@ -176,9 +178,9 @@ void add_show(CommandLine& line) {
   app->add_option("--frame", *frame, "of the contact sheet")->capture_default_str();
   auto figure = std::make_shared<int>(0);
   app->add_option("--figure", *figure,
-                  "with --picture, of a take: as the first paper's figure 1 (one frame through the stages) or 4 "
-                  "(quantised at 1 cm, not quantised, view-dependent)")
-      ->check(CLI::IsMember({1, 4}));
+                  "with --picture, of a take: as the first paper's figure 1 (one frame through the stages), 2 (geometry "
+                  "images before and after alignment) or 4 (quantised at 1 cm, not quantised, view-dependent)")
+      ->check(CLI::IsMember({1, 2, 4}));
   app->footer(
       "Examples:\n  rotunda show demo --picture contact.png\n  rotunda show demo --figure 1 --picture stages.png\n"
       "  rotunda show takes/demo/recon/geometry.mkv --picture frames.png");
