@@ -1,6 +1,7 @@
 #include "recon/motion/gait_events.h"
 
 #include <algorithm>
+#include <limits>
 #include <numbers>
 #include <optional>
 
@@ -13,8 +14,10 @@ constexpr double kFlat = 0.35;        // share of the widest sole from which a f
 constexpr double kStands = 0.08;      // m/s: a floor that is slower stands still
 constexpr double kGoes = 0.25;        // m/s: who is slower stands
 constexpr double kDown = 0.030;       // metres above the floor below which a foot may have landed: the surface's error
+constexpr double kLifted = 0.06;      // metres: no shifted weight lifts a heel that far
 constexpr double kCarried = 0.5;      // share of the person's speed at which the floor takes a foot back
-constexpr double kLeastSwing = 0.12;  // of the height: the way of a foot past the body in a step
+constexpr double kLeastSwing = 0.06;  // of the height: how far a foot overtakes the body in half a step, or more
+constexpr double kSway = 0.005;       // metres: what body and surface move by themselves
 constexpr double kStepTime = 0.2;     // seconds: no foot strikes twice within twice that
 
 using Feet = std::vector<FootState>;
@@ -73,12 +76,13 @@ std::vector<std::optional<double>> ahead(const ClipShape& clip, const Feet& feet
   return way;
 }
 
-bool is_peak(const std::vector<std::optional<double>>& way, int at, int reach) {
+// Overtakes the body no further. Who stops after a step keeps it there.
+bool ends_swing(const std::vector<std::optional<double>>& way, int at, int reach) {
   const auto value = [&](int i) { return way[static_cast<std::size_t>(i)]; };
   const int last = static_cast<int>(way.size()) - 1;
-  if (at < 1 || at >= last || !value(at) || !value(at - 1) || !value(at + 1)) return false;
-  for (int i = std::max(0, at - reach); i <= std::min(last, at + reach); ++i)
-    if (value(i) && (*value(i) > *value(at) || (i < at && *value(i) == *value(at)))) return false;
+  if (at < 1 || at >= last || !value(at - 1) || !value(at + 1)) return false;
+  for (int i = at + 1; i <= std::min(last, at + reach); ++i)
+    if (value(i) && *value(i) > *value(at) + kSway) return false;
   return true;
 }
 
@@ -93,20 +97,30 @@ bool has_landed(const Feet& feet, const std::vector<std::optional<double>>& way,
 void find_strikes(const ClipShape& clip, const Feet& feet, Side side, const Eigen::Vector2d& forward,
                   const GaitEvents& known, std::vector<HeelStrike>& strikes) {
   const auto way = ahead(clip, feet, forward);
-  double least = 1e9, most = -1e9;
-  for (const auto& w : way)
-    if (w) {
-      least = std::min(least, *w);
-      most = std::max(most, *w);
-    }
-  if (most - least < kLeastSwing * known.height) return;
   const int reach = static_cast<int>(std::lround(kStepTime * clip.fps)), last = static_cast<int>(feet.size()) - 1;
+  double least = std::numeric_limits<double>::max();  // since the strike before
   for (int at = 0; at <= last; ++at) {
-    if (!is_peak(way, at, reach) || *way[static_cast<std::size_t>(at)] < 0.5 * (least + most)) continue;
+    const auto& here = way[static_cast<std::size_t>(at)];
+    if (!here) continue;
+    least = std::min(least, *here);
+    if (*here - least < kLeastSwing * known.height || !ends_swing(way, at, reach)) continue;
     int down = at + 1;
     while (down <= last && down <= at + reach && !has_landed(feet, way, down, kCarried * known.speed / clip.fps))
       ++down;
-    if (down <= std::min(last, at + reach)) strikes.push_back({down, side});
+    if (down > std::min(last, at + reach)) continue;
+    strikes.push_back({down, side});
+    least = std::numeric_limits<double>::max();
+    at = down;
+  }
+}
+
+// Of who stays: a foot that was lifted comes down.
+void find_landings(const Feet& feet, Side side, double flat, std::vector<HeelStrike>& strikes) {
+  bool lifted = false;
+  for (std::size_t i = 0; i < feet.size(); ++i) {
+    const bool down = feet[i].seen && feet[i].sole >= flat;
+    if (lifted && down) strikes.push_back({static_cast<int>(i), side});
+    lifted = !down && (lifted || !feet[i].seen || feet[i].height > kLifted);
   }
 }
 
@@ -160,7 +174,10 @@ GaitEvents gait_events(const ClipShape& clip) {
   const std::size_t left = first_is_left(tracks, forward) ? 0 : 1;
   for (const std::size_t foot : {left, 1 - left}) {
     const Side side = foot == left ? Side::left : Side::right;
-    if (goes) find_strikes(clip, tracks.feet[foot], side, forward, events, events.strikes);
+    if (goes)
+      find_strikes(clip, tracks.feet[foot], side, forward, events, events.strikes);
+    else
+      find_landings(tracks.feet[foot], side, flat, events.strikes);
     find_contacts(tracks, tracks.feet[foot], side, flat, step, events.contacts);
   }
   std::sort(events.strikes.begin(), events.strikes.end(), [](auto a, auto b) { return a.frame < b.frame; });

@@ -5,6 +5,7 @@
 
 #include <fstream>
 #include <numbers>
+#include <random>
 
 #include "config/errors.h"
 #include "recon/motion/character.h"
@@ -108,6 +109,35 @@ TEST(GaitEvents, FindsTheHeelStrikesOfHeelsThatWereWornOff) {
   ASSERT_EQ(events.strikes.size(), 4U);
   const int frames[] = {13, 26, 39, 52};
   for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(events.strikes[i].frame, frames[i], 1);
+}
+
+// Millimetres by which a surface differs from frame to frame, the same as it is every time.
+void tremble(ClipShape& clip, float amplitude) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<float> along(-amplitude, amplitude);
+  for (auto& frame : clip.frames) {
+    const Eigen::Vector3f by(along(random), along(random), 0.0F);
+    for (auto& p : frame)
+      if (p.z() < 0.5F) p += by;
+  }
+}
+
+TEST(GaitEvents, TakesNoTrembleOfWhoHasStoppedForAStep) {
+  auto clip = shape_of("walk-idle", 50);
+  tremble(clip, 0.002F);
+  const auto events = gait_events(clip);
+  ASSERT_EQ(events.strikes.size(), 2U);  // the simulator's: right at 13, left at 26; then both feet stand
+  EXPECT_NEAR(events.strikes[0].frame, 13, 1);
+  EXPECT_EQ(events.strikes[0].side, Side::right);
+  EXPECT_NEAR(events.strikes[1].frame, 26, 1);
+  EXPECT_EQ(events.strikes[1].side, Side::left);
+}
+
+TEST(GaitEvents, FindsWhereAKickingFootIsSetDown) {
+  const auto events = gait_events(shape_of("kick", 80));
+  ASSERT_EQ(events.strikes.size(), 1U);
+  EXPECT_NEAR(events.strikes[0].frame, 50, 2);
+  EXPECT_EQ(events.strikes[0].side, Side::right);
 }
 
 TEST(GaitEvents, LeavesWhoStandsStanding) {
