@@ -2,7 +2,7 @@
 // OpenCV's MOG2, and what it costs.
 //   key_bench [--development] [--keep DIR] [--pictures DIR] [--person NAME] [--no-baselines]
 // Mattes: overlap (IoU) mean and worst, distance between the outlines both ways, its signed mean (positive: ours is too
-// large). Colours: the rim's four pixels against the truth. Cost: CPU and wall time of ten pictures.
+// large). Colours: the rim's four pixels against the truth, by person and of all. Cost: CPU and wall time of ten pictures.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -148,13 +148,28 @@ struct RimErrors {
   Mean plain_own, plain_unspilt, own, unspilt;
 };
 
-void add_rim_errors(const KeyView& view, const cv::Mat& rgb, const Matte& matte, RimErrors& errors) {
-  if (view.own.empty()) return;
-  const cv::Mat clean = capture::despilled(view.image, matte, capture::Backdrop::blue);
+void add_rim_errors(const KeyView& view, const cv::Mat& rgb, const cv::Mat& clean, RimErrors& errors) {
   errors.plain_own.add(rim_colour_error(rgb, view.own, view.truth));
   errors.plain_unspilt.add(rim_colour_error(rgb, view.unspilt, view.truth));
   errors.own.add(rim_colour_error(clean, view.own, view.truth));
   errors.unspilt.add(rim_colour_error(clean, view.unspilt, view.truth));
+}
+
+void print(const std::string& who, const RimErrors& errors) {
+  fmt::print(
+      "{:14} rim colours, of 255: against the performer's own {:.2f} (as they are {:.2f}), in a grey studio {:.2f} "
+      "(as they are {:.2f})\n",
+      who, errors.own.value(), errors.plain_own.value(), errors.unspilt.value(), errors.plain_unspilt.value());
+}
+
+// Cleaned, truth, and eight times the rim's difference: above mid-grey where ours is too bright.
+cv::Mat rim_picture(const KeyView& view, const cv::Mat& clean) {
+  cv::Mat off, out;
+  cv::subtract(clean, view.own, off, cv::noArray(), CV_16S);
+  off.convertTo(off, CV_8U, 8.0, 128.0);
+  off.setTo(cv::Scalar::all(128), rim_mask(view.truth) == 0);
+  cv::hconcat(std::vector<cv::Mat>{clean, view.own, off}, out);
+  return out;
 }
 
 struct Options {
@@ -162,13 +177,13 @@ struct Options {
   std::string keep, pictures, person;
 };
 
-// The worst matte of a method so far.
+// The worst of a method or person so far.
 struct Worst {
-  double overlap = 2.0;
+  double score = 2.0;  // the greater the better
   std::string what;
   cv::Mat picture;
   void hear(double of, const std::string& name, const std::function<cv::Mat()>& draw) {
-    if (of < overlap) overlap = of, what = name, picture = draw();
+    if (of < score) score = of, what = name, picture = draw();
   }
 };
 
@@ -194,11 +209,10 @@ class KeyBench {
         if (person != "dan") all.add(by_method.at(name));
       print("all but dan", name, all);
     }
-    fmt::print(
-        "rim colours, of 255: against the performer's own {:.2f} (as they are {:.2f}), in a grey studio {:.2f} "
-        "(as they are {:.2f})\n",
-        rims_.own.value(), rims_.plain_own.value(), rims_.unspilt.value(), rims_.plain_unspilt.value());
+    for (const auto& [person, errors] : rims_) print(person, errors);
+    print("all", all_rims_);
     write_worst(options_, "", worst_);
+    write_worst(options_, "rim, ", worst_rims_);
     for (const auto& [name, cost] : costs_) fmt::print("{:18} {:.2f} ms CPU a picture\n", name, cost.value());
   }
 
@@ -225,18 +239,27 @@ class KeyBench {
       const auto& view = given.moment.views[i];
       const auto found = matte_score(mattes[i].alpha, view.truth);
       totals_[person][method].add(found);
-      if (method == "key, plate") add_rim_errors(view, given.pictures[i], mattes[i], rims_);
+      if (method == "key, plate" && !view.own.empty()) score_rim(what, view, given.pictures[i], mattes[i], person);
       worst_[method + ", " + person].hear(found.overlap, fmt::format("{} {}", what, view.camera.name),
                                           [&] { return side_by_side(given.pictures[i], mattes[i].alpha, view.truth); });
     }
+  }
+
+  void score_rim(const std::string& what, const KeyView& view, const cv::Mat& rgb, const Matte& matte,
+                 const std::string& person) {
+    const cv::Mat clean = capture::despilled(view.image, matte, capture::Backdrop::blue);
+    for (RimErrors* errors : {&rims_[person], &all_rims_}) add_rim_errors(view, rgb, clean, *errors);
+    worst_rims_[person].hear(-rim_colour_error(clean, view.own, view.truth), what + " " + view.camera.name,
+                             [&] { return rim_picture(view, clean); });
   }
 
   Options options_;
   NamedMethods methods_;
   std::map<std::string, std::map<std::string, MatteTotals>> totals_;
   std::map<std::string, Mean> costs_;
-  std::map<std::string, Worst> worst_;
-  RimErrors rims_;
+  std::map<std::string, Worst> worst_, worst_rims_;
+  std::map<std::string, RimErrors> rims_;
+  RimErrors all_rims_;
 };
 
 // Without a picture of the empty studio: the plate learnt from the take whose light drifts, beside the given plate and

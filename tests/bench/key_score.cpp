@@ -38,14 +38,18 @@ MatteScore matte_score(const cv::Mat& found, const cv::Mat& truth) {
   return score;
 }
 
-double rim_colour_error(const cv::Mat& colours, const cv::Mat& truth_colours, const cv::Mat& truth_matte) {
+cv::Mat rim_mask(const cv::Mat& truth_matte) {
   const cv::Mat depth = recon::signed_silhouette({truth_matte});
+  return (depth >= 0.0) & (depth <= kRim);
+}
+
+double rim_colour_error(const cv::Mat& colours, const cv::Mat& truth_colours, const cv::Mat& truth_matte) {
+  const cv::Mat rim = rim_mask(truth_matte);
   double sum = 0.0;
   int count = 0;
-  for (int y = 0; y < depth.rows; ++y)
-    for (int x = 0; x < depth.cols; ++x) {
-      const float d = depth.at<float>(y, x);
-      if (d < 0.0F || d > kRim) continue;
+  for (int y = 0; y < rim.rows; ++y)
+    for (int x = 0; x < rim.cols; ++x) {
+      if (rim.at<std::uint8_t>(y, x) == 0) continue;
       for (int c = 0; c < 3; ++c)
         sum += std::abs(colours.at<cv::Vec3b>(y, x)[c] - truth_colours.at<cv::Vec3b>(y, x)[c]);
       count += 3;

@@ -11,8 +11,10 @@ struct MatteScore {
 };
 MatteScore matte_score(const cv::Mat& found, const cv::Mat& truth);
 
-// Mean difference of red, green and blue from the truth in the four pixels inside of the true outline, of 255; negative
-// where nothing is inside.
+// The four pixels inside of the true outline, CV_8UC1, 255 there.
+cv::Mat rim_mask(const cv::Mat& truth_matte);
+
+// Mean difference of red, green and blue from the truth there, of 255; negative where nothing is inside.
 double rim_colour_error(const cv::Mat& colours, const cv::Mat& truth_colours, const cv::Mat& truth_matte);
 
 // Many scores' sum.
