@@ -4,6 +4,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "capture/picture.h"
+#include "capture/srgb.h"
 #include "config/errors.h"
 
 namespace rotunda::capture {
@@ -13,8 +14,8 @@ constexpr int kReach = 4;             // pixels beyond the outline that get colo
 constexpr int kWindow = 7;            // pixels, odd: where the two colours about a pixel are looked at
 constexpr float kRim = 4.0F;          // pixels: how far in lens, demosaicing and grazing light carry the spill
 constexpr int kCloth = 21;            // pixels, odd: where the cloth inside of the rim is looked at
-constexpr float kNoise = 6.0F;        // grey levels: of a pixel against its mixture, light's curve included
-constexpr double kSharpening = 1.75;  // the matte is smoothed, the picture is not
+constexpr float kNoise = 6.0F;        // grey levels: of a pixel against its mixture
+constexpr double kSharpening = 1.9;   // undoes the matte's 0.8 px on an edge of lens, 0.4, and photosite, 0.3
 constexpr float kAlphaError = 0.08F;  // of the matte
 constexpr float kSiteScale = 257.0F;  // of mosaic_of(), against grey levels
 
@@ -35,14 +36,39 @@ LocalMean local_mean(const cv::Mat& picture, const cv::Mat& mask, int window) {
   return mean;
 }
 
+// What the sensor's curve makes of a mixture: lens and photosite mix light, and mid-way between dark and bright that is
+// far brighter than the mean of the two values. Grey levels in and out.
+struct MixedValue {
+  float value;         // of alpha * inside + (1 - alpha) * outside in linear light
+  float by_performer;  // d value / d inside
+  float by_alpha;      // d value / d alpha
+};
+
+float linear_at(float level) {
+  return static_cast<float>(linear_of_srgb(std::clamp(level, 0.0F, 255.0F) / 255.0));
+}
+
+// Slope of the curve, linear light by grey level.
+float slope_at(float linear) {
+  const float srgb = static_cast<float>(srgb_of_linear(linear));
+  return (srgb <= 0.04045F ? 1.0F / 12.92F : 2.4F * linear / (srgb + 0.055F)) / 255.0F;
+}
+
+MixedValue mixed_value(float alpha, float inside, float outside) {
+  const float in = linear_at(inside), out = linear_at(outside), mixed = alpha * in + (1.0F - alpha) * out;
+  const float slope = slope_at(mixed);
+  return {255.0F * static_cast<float>(srgb_of_linear(mixed)), alpha * slope_at(in) / slope, (in - out) / slope};
+}
+
 // The likeliest value of the performer in a photosite that is `alpha` of it: between what solving the mixture gives,
-// which errs the more the less of it is there, and the mean of the performer close by, which knows no texture.
+// which errs the more the less of it is there, and the mean of the performer close by, which knows no texture. One
+// step of a Kalman filter, the mixture made linear about that mean.
 float unmixed(float value, float alpha, float inside, float outside) {
   constexpr float kTexture = 20.0F;  // grey levels: what cloth differs from its mean
-  const float contrast = inside - outside, off = value - alpha * inside - (1.0F - alpha) * outside;
-  const float error = kNoise * kNoise + kAlphaError * kAlphaError * contrast * contrast;
-  const float gain = alpha * kTexture * kTexture / (alpha * alpha * kTexture * kTexture + error);
-  return inside + std::min(gain, 1.0F / std::max(alpha, 0.3F)) * off;
+  const auto [expected, slope, by_alpha] = mixed_value(alpha, inside, outside);
+  const float error = kNoise * kNoise + kAlphaError * kAlphaError * by_alpha * by_alpha;
+  const float gain = slope * kTexture * kTexture / (slope * slope * kTexture * kTexture + error);
+  return inside + std::min(gain, 1.0F / std::max(slope, 0.3F)) * (value - expected);
 }
 
 // By how much the backdrop's channel leads the other two; 0 if it does not.
