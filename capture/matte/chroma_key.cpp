@@ -24,6 +24,7 @@ constexpr float kBareLead = -0.1F;        // the plate's own colour stands at -0
 constexpr int kBareGap = 3;               // pixels of it that make a gap
 constexpr int kSmallestPiece = 4000;      // a picture's area over this is the smallest piece of performer kept
 constexpr int kSmallestHole = 20000;
+constexpr int kMixtureReach = 2;   // pixels about a gap, however narrow, that lens, demosaicing and kBlur mix with it
 constexpr double kHalf = 127.0;    // of alpha
 constexpr int kHeldDepth = 3;      // pixels inside the outline: there a mixture with the backdrop is none of its edge
 constexpr int kOverexposed = 250;  // grey levels: what the sensor or its curve cannot tell from white
@@ -155,6 +156,15 @@ void fill_holes(Inside& inside) {
   inside.firm |= inside.unlit & inside.all & ~before;
 }
 
+// A gap between limbs that shows no backdrop of its own is as wide as its mixtures at most: what may be a mixture, but
+// is wider, is cloth near the backdrop's colour.
+void firm_wide_cloth(Inside& inside) {
+  cv::Mat wide;
+  cv::morphologyEx(inside.all & ~inside.firm, wide, cv::MORPH_OPEN,
+                   cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * kMixtureReach + 1, 2 * kMixtureReach + 1}));
+  inside.firm |= wide;
+}
+
 // Nothing where no screen's colour leads: then only a background's difference can tell.
 std::optional<Backdrop> backdrop_for(const cv::Mat& rgb, const ChromaKeyOptions& options, const cv::Mat& background) {
   if (options.backdrop) return options.backdrop;
@@ -200,6 +210,7 @@ Matte chroma_key(const cv::Mat& rgb, const ChromaKeyOptions& options, const cv::
   if (!options.stage.empty()) inside.all &= options.stage;
   drop_stray_pieces(inside.all, rgb, lit_area(rgb));
   fill_holes(inside);
+  firm_wide_cloth(inside);
   return edge_matte(rgb, background.empty() ? picture_of_log(log_plate) : background, inside.all, inside.firm);
 }
 

@@ -212,6 +212,17 @@ TEST(ChromaKey, FillsAFoldTooDarkToTellInTheMiddleOfThePerformer) {
   EXPECT_LT(cv::mean(chroma_key(rgb, {}, plate).alpha(cv::Rect(147, 112, 17, 17)))[0], 5.0);
 }
 
+// Where a coat catches the screen's light its colour comes as near to the screen's as a half-covered pixel's.
+TEST(ChromaKey, TakesAWidePatchNearTheScreensColourForCloth) {
+  cv::Mat rgb = picture_of({});
+  const cv::Rect patch(146, 104, 30, 30);
+  rgb(patch).setTo(cv::Vec3b(52, 88, 138));
+  const Matte matte = chroma_key(rgb, {}, picture_of({}, false));
+  double least = 0.0;
+  cv::minMaxLoc(matte.alpha(cv::Rect(patch.tl() + cv::Point(3, 3), patch.size() - cv::Size(6, 6))), &least);
+  EXPECT_GT(least, 200.0);
+}
+
 TEST(ChromaKey, TakesALampInThePictureForNobodyWithoutAPlate) {
   cv::Mat rgb = picture_of({});
   const cv::Rect lamp(200, 0, 60, 20);
