@@ -24,6 +24,7 @@ constexpr float kBareLead = -0.1F;        // the plate's own colour stands at -0
 constexpr int kBareGap = 3;               // pixels of it that make a gap
 constexpr int kSmallestPiece = 4000;      // a picture's area over this is the smallest piece of performer kept
 constexpr int kSmallestHole = 20000;
+constexpr double kFoldBorder = 0.75;  // of a fold's border, the share that is performer
 constexpr int kMixtureReach = 2;   // pixels about a gap, however narrow, that lens, demosaicing and kBlur mix with it
 constexpr double kHalf = 127.0;    // of alpha
 constexpr int kHeldDepth = 3;      // pixels inside the outline: there a mixture with the backdrop is none of its edge
@@ -156,6 +157,38 @@ void fill_holes(Inside& inside) {
   inside.firm |= inside.unlit & inside.all & ~before;
 }
 
+// Of each piece (`labels`, 0: none) whether `performer` borders on nearly all of it.
+std::vector<bool> bordered_by(const cv::Mat& performer, const cv::Mat& labels, std::size_t count) {
+  std::vector<int> all(count, 0), by_performer(count, 0);
+  const auto look = [&](const cv::Point& from, const cv::Point& to) {
+    const auto piece = static_cast<std::size_t>(labels.at<int>(from));
+    if (piece == 0 || labels.at<int>(to) != 0) return;
+    ++all[piece];
+    if (performer.at<std::uint8_t>(to) != 0) ++by_performer[piece];
+  };
+  for (int y = 1; y < labels.rows; ++y)
+    for (int x = 1; x < labels.cols; ++x)
+      for (const cv::Point beside : {cv::Point(x - 1, y), cv::Point(x, y - 1)})
+        look({x, y}, beside), look(beside, {x, y});
+  std::vector<bool> is_bordered(count, false);
+  for (std::size_t i = 1; i < count; ++i) is_bordered[i] = all[i] > 0 && by_performer[i] >= kFoldBorder * all[i];
+  return is_bordered;
+}
+
+// What is too dark to tell becomes performer where the performer borders on it nearly all around: a fold that is open
+// at the hem. A contact shadow lies along a sole, and half of it borders on the floor.
+void fill_open_folds(Inside& inside) {
+  cv::Mat dark, labels;
+  cv::morphologyEx(inside.unlit, dark, cv::MORPH_CLOSE, cv::Mat::ones(3, 3, CV_8UC1));  // noise lights single pixels
+  dark &= ~inside.all;
+  const auto count = static_cast<std::size_t>(cv::connectedComponents(dark, labels, 4, CV_32S));
+  const auto is_fold = bordered_by(inside.all, labels, count);
+  for (int y = 0; y < dark.rows; ++y)
+    for (int x = 0; x < dark.cols; ++x)
+      if (is_fold[static_cast<std::size_t>(labels.at<int>(y, x))])
+        inside.all.at<std::uint8_t>(y, x) = inside.firm.at<std::uint8_t>(y, x) = 255;
+}
+
 // A gap between limbs that shows no backdrop of its own is as wide as its mixtures at most: what may be a mixture, but
 // is wider, is cloth near the backdrop's colour.
 void firm_wide_cloth(Inside& inside) {
@@ -210,6 +243,7 @@ Matte chroma_key(const cv::Mat& rgb, const ChromaKeyOptions& options, const cv::
   if (!options.stage.empty()) inside.all &= options.stage;
   drop_stray_pieces(inside.all, rgb, lit_area(rgb));
   fill_holes(inside);
+  fill_open_folds(inside);
   firm_wide_cloth(inside);
   return edge_matte(rgb, background.empty() ? picture_of_log(log_plate) : background, inside.all, inside.firm);
 }

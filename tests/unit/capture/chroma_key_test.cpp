@@ -212,6 +212,23 @@ TEST(ChromaKey, FillsAFoldTooDarkToTellInTheMiddleOfThePerformer) {
   EXPECT_LT(cv::mean(chroma_key(rgb, {}, plate).alpha(cv::Rect(147, 112, 17, 17)))[0], 5.0);
 }
 
+// Under a coat's tail: the fold's dark reaches the hem. About as dark is what lies under a sole, outside of it.
+TEST(ChromaKey, FillsAFoldThatOpensAtTheHemButNoContactShadow) {
+  const cv::Scalar unlit(3, 4, 22);
+  const cv::Mat plate = picture_of({}, false);
+  cv::Mat rgb = picture_of({});
+  cv::circle(rgb, {155, 120}, 12, unlit, cv::FILLED);
+  rgb(cv::Rect(152, 120, 6, 46)).setTo(unlit);
+  rgb(cv::Rect(152, 166, 6, 8)).setTo(cv::Scalar(4, 12, 60));  // the deepest shadow on paint, at the hem
+  EXPECT_GT(cv::mean(chroma_key(rgb, {}, plate).alpha(cv::Rect(147, 112, 17, 17)))[0], 250.0);
+  rgb = picture_of({});
+  cv::Mat below(rgb.size(), CV_8UC1, cv::Scalar(0));
+  cv::circle(below, {161, 169}, 8, cv::Scalar(255), cv::FILLED);
+  cv::circle(below, {161, 119}, 50, cv::Scalar(0), cv::FILLED);
+  rgb.setTo(unlit, below);
+  EXPECT_LT(cv::mean(chroma_key(rgb, {}, plate).alpha(cv::Rect(158, 173, 7, 3)))[0], 60.0);
+}
+
 // Where a coat catches the screen's light its colour comes as near to the screen's as a half-covered pixel's.
 TEST(ChromaKey, TakesAWidePatchNearTheScreensColourForCloth) {
   cv::Mat rgb = picture_of({});
