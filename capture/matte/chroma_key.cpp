@@ -190,12 +190,13 @@ void fill_open_folds(Inside& inside) {
 }
 
 // A gap between limbs that shows no backdrop of its own is as wide as its mixtures at most: what may be a mixture, but
-// is wider, is cloth near the backdrop's colour.
+// is wider, is cloth near the backdrop's colour. Not where nothing firm is about: there the plate is wrong.
 void firm_wide_cloth(Inside& inside) {
-  cv::Mat wide;
+  cv::Mat wide, sure = inside.all.clone();
+  turn_pieces(sure, 255, inside.firm, [](const int* piece, int firm) { return 2 * firm < piece[cv::CC_STAT_AREA]; });
   cv::morphologyEx(inside.all & ~inside.firm, wide, cv::MORPH_OPEN,
                    cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * kMixtureReach + 1, 2 * kMixtureReach + 1}));
-  inside.firm |= wide;
+  inside.firm |= wide & sure;
 }
 
 // Nothing where no screen's colour leads: then only a background's difference can tell.
