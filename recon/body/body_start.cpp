@@ -17,6 +17,8 @@ using Eigen::Vector3d;
 
 constexpr double kCell = 0.04;                     // metres
 constexpr double kReach = 1.4;                     // metres around the middle of the silhouettes
+constexpr double kFits = 0.70, kFitsWell = 0.80;   // of the outlines, explained
+constexpr double kSameHeight = 0.04;               // share by which heights differ that frames tell of one person
 constexpr double kShortest = 0.8, kTallest = 2.4;  // of people, metres, arms up
 
 // The point nearest to the rays through the middles of the silhouettes.
@@ -96,6 +98,28 @@ std::vector<PoseFit> fits_from(const BodyTemplate& body, const FrameOutlines& fr
 }
 
 }  // namespace
+
+bool fits_well(const BodyStart& start) {
+  return start.fit.explained >= kFitsWell;
+}
+
+std::optional<std::size_t> most_credible(const std::vector<BodyStart>& starts) {
+  const bool any_well = std::any_of(starts.begin(), starts.end(), fits_well);
+  std::vector<double> heights;
+  const auto fits = [&](const BodyStart& one) { return any_well ? fits_well(one) : one.fit.explained >= kFits; };
+  for (const auto& one : starts)
+    if (fits(one)) heights.push_back(height_of(one.body.measures));
+  if (heights.empty()) return std::nullopt;
+  const auto middle = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 2);
+  std::nth_element(heights.begin(), middle, heights.end());
+  std::optional<std::size_t> best;
+  for (std::size_t i = 0; i < starts.size(); ++i) {
+    const bool agrees = std::abs(height_of(starts[i].body.measures) - *middle) <= kSameHeight * *middle;
+    if (!fits(starts[i]) || !agrees) continue;
+    if (!best || starts[i].fit.residual < starts[*best].fit.residual) best = i;
+  }
+  return best;
+}
 
 bool BodyExtent::is_upright() const {
   constexpr double kLean = 25.0 * std::numbers::pi / 180.0;

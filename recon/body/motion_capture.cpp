@@ -21,7 +21,7 @@ namespace rotunda::recon {
 namespace {
 
 constexpr std::size_t kStartFrames = 24;  // looked at for somebody upright
-constexpr std::size_t kGoodStarts = 3;    // of those the best is taken
+constexpr std::size_t kGoodStarts = 3;    // then no more are looked at
 constexpr std::size_t kWindow = 48;       // frames around the start that the template is solved over,
 constexpr std::size_t kWindowStep = 2;    // every second of them
 constexpr std::size_t kLookBack = 16;     // frames that are followed again from one that was recovered
@@ -122,7 +122,8 @@ FrameOutlines MotionCapture::outlines(std::size_t frame) {
 
 MotionCapture::Start MotionCapture::find_start() {
   const auto count = std::min(kStartFrames, end_ - first_);
-  std::optional<Start> best;
+  std::vector<std::size_t> frames;
+  std::vector<BodyStart> starts;
   std::size_t good = 0, silhouettes = 0, upright = 0;
   for (std::size_t i = 0; i < count && good < kGoodStarts && !stop_.stop_requested(); ++i) {
     // From the middle outwards, so that both ways from the start are short.
@@ -135,13 +136,14 @@ MotionCapture::Start MotionCapture::find_start() {
     if (!extent->is_upright()) continue;
     ++upright;
     auto found = clock_.run("start", [&] { return start_body(seen, std::nullopt); });
-    constexpr double kFits = 0.70;  // of the outlines
-    if (!found || found->fit.explained < kFits) continue;
-    ++good;
-    if (!best || found->fit.residual < best->found.fit.residual) best = Start{frame, std::move(*found)};
+    if (!found) continue;
+    if (fits_well(*found)) ++good;
+    frames.push_back(frame);
+    starts.push_back(std::move(*found));
   }
-  if (!best && !stop_.stop_requested()) refuse_start(count, silhouettes, upright);
-  return best ? *best : Start{};
+  const auto chosen = most_credible(starts);
+  if (!chosen && !stop_.stop_requested()) refuse_start(count, silhouettes, upright);
+  return chosen ? Start{frames[*chosen], starts[*chosen]} : Start{};
 }
 
 void MotionCapture::refuse_start(std::size_t looked, std::size_t silhouettes, std::size_t upright) const {

@@ -29,6 +29,23 @@ double mean_joint_error(const Skeleton& a, const Pose& pose, const Skeleton& b, 
 }
 
 // A pixel is 11 mm here, one of the distance field 22.
+BodyStart start_of(double height, double explained, double residual) {
+  BodyStart start{template_of_height(height), {}};
+  start.fit.explained = explained;
+  start.fit.residual = residual;
+  return start;
+}
+
+TEST(BodyStart, TheMostCredibleAgreesOnTheHeightAndFitsBest) {
+  const auto crouch = start_of(2.1, 0.73, 0.035), leap = start_of(1.9, 0.85, 0.024);
+  const std::vector<BodyStart> starts{crouch, leap,   start_of(1.70, 0.86, 0.028), start_of(1.74, 0.88, 0.025),
+                                      crouch, crouch, start_of(1.68, 0.87, 0.030)};
+  EXPECT_EQ(most_credible(starts), 3U);
+  EXPECT_EQ(most_credible({crouch}), 0U) << "better than none";
+  EXPECT_EQ(most_credible({start_of(1.7, 0.5, 0.02)}), std::nullopt);
+  EXPECT_EQ(most_credible({}), std::nullopt);
+}
+
 TEST(PoseFit, CarriesAPoseNearbyOntoTheSilhouettes) {
   const auto body = template_of_height(1.75);
   const auto truth = walking_pose(body, 0.2);
