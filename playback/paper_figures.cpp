@@ -96,8 +96,8 @@ std::vector<CaptionedPicture> image_row(const std::vector<NumberedImage>& images
 
 recon::GeometryImage own_image(const fs::path& take, std::size_t frame) {
   if (auto image = recon::frame_image(take, frame)) return *std::move(image);
-  throw InvalidInput(fmt::format("frame {} of {} could not be mapped by itself; choose another --frame", frame,
-                                 take.string()));
+  throw InvalidInput(
+      fmt::format("frame {} of {} could not be mapped by itself; choose another --frame", frame, take.string()));
 }
 
 }  // namespace

@@ -10,6 +10,10 @@
 namespace rotunda::recon {
 namespace fs = std::filesystem;
 
+fs::path FrameStore::folder_of(const fs::path& take) {
+  return take / "recon" / "frames";
+}
+
 FrameStore::FrameStore(fs::path folder, const std::string& settings) : folder_(std::move(folder)) {
   const auto settings_file = folder_ / "settings.json";
   if (fs::exists(folder_) && read_text(settings_file) != settings) fs::remove_all(folder_);

@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "recon/mesh/triangle_mesh.h"
 #include "recon/sphere/geometry_image.h"
@@ -25,6 +26,10 @@ struct MappedSurface {
 
 class FrameStore {
  public:
+  static std::filesystem::path folder_of(const std::filesystem::path& take);
+
+  // For reading what is there.
+  explicit FrameStore(std::filesystem::path folder) : folder_(std::move(folder)) {}
   // Frames made with other settings (a JSON text) than these are deleted. Throws std::system_error.
   FrameStore(std::filesystem::path folder, const std::string& settings);
 

@@ -30,9 +30,9 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-// The settings of the frames that are there; a store opened with them leaves them as they are.
+// The settings of the frames that are there.
 std::string frame_settings(const fs::path& take) {
-  const auto text = read_text(take / "recon" / "frames" / "settings.json");
+  const auto text = read_text(FrameStore::folder_of(take) / "settings.json");
   if (text.empty())
     throw InvalidInput(fmt::format("take {} is not reconstructed; run `rotunda recon {}` first", take.string(),
                                    take.filename().string()));
@@ -107,7 +107,7 @@ TakeAlignment::TakeAlignment(const TakeAlignmentOptions& options,
       take_(options.take),
       studio_(read_take_studio(take_, options.calibration)),
       settings_(frame_settings(options.take)),
-      frames_(take_.folder() / "recon" / "frames", settings_) {
+      frames_(FrameStore::folder_of(take_.folder())) {
   if (studio_.unit != "m")
     throw InvalidInput(fmt::format("take {}: its calibration is not in metres; frames are aligned by lengths of bodies",
                                    take_.info().name));
@@ -170,7 +170,7 @@ std::optional<BodyTrack> TakeAlignment::found_body() {
 }
 
 fs::path TakeAlignment::joints_file() const {
-  return take_.folder() / "recon" / "frames" / "joints.json";
+  return FrameStore::folder_of(take_.folder()) / "joints.json";
 }
 
 // Frames that another motion carried are made again: it was captured anew, over more frames.

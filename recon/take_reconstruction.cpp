@@ -99,7 +99,7 @@ TakeReconstruction::TakeReconstruction(const TakeReconstructionOptions& options,
   surface_options_.tolerate_misses = options_.tolerate_misses;
   if (options_.quality == Quality::live) surface_options_ = live_surface(surface_options_);
   choose_frames();
-  store_.emplace(take_.folder() / "recon" / "frames", settings_json());
+  store_.emplace(FrameStore::folder_of(take_.folder()), settings_json());
 }
 
 void TakeReconstruction::choose_frames() {

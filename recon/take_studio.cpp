@@ -9,7 +9,7 @@
 #include "capture/picture.h"
 #include "config/errors.h"
 #include "config/rig_config.h"
-#include "recon/geometry_image_file.h"
+#include "recon/frame_store.h"
 #include "recon/mesh/mesh_file.h"
 #include "recon/take_plates.h"
 
@@ -102,16 +102,15 @@ fs::path geometry_video_of(const fs::path& take) {
 }
 
 std::optional<TriangleMesh> frame_surface(const fs::path& take, std::size_t frame) {
-  const auto file = take / "recon" / "frames" / capture::frame_file_name(frame, "ply");
+  const auto file = FrameStore::folder_of(take) / capture::frame_file_name(frame, "ply");
   if (!fs::exists(file)) return std::nullopt;
   return read_ply(file);
 }
 
 std::optional<GeometryImage> frame_image(const fs::path& take, std::size_t frame) {
-  const auto folder = take / "recon" / "frames";
-  const auto colours = folder / capture::frame_file_name(frame, "colour.png");
-  if (!fs::exists(colours)) return std::nullopt;
-  return read_geometry_image(folder / capture::frame_file_name(frame, "tiff"), colours);
+  const FrameStore store(FrameStore::folder_of(take));
+  if (!store.finished(frame) || store.failure(frame)) return std::nullopt;
+  return store.image(frame);
 }
 
 }  // namespace rotunda::recon

@@ -157,30 +157,32 @@ void fill_holes(Inside& inside) {
   inside.firm |= inside.unlit & inside.all & ~before;
 }
 
-// Of each piece (`labels`, 0: none) whether `performer` borders on nearly all of it.
+// Of each piece (`labels`, 0: none) whether `performer` makes up kFoldBorder of its border.
 std::vector<bool> bordered_by(const cv::Mat& performer, const cv::Mat& labels, std::size_t count) {
   std::vector<int> all(count, 0), by_performer(count, 0);
-  const auto look = [&](const cv::Point& from, const cv::Point& to) {
-    const auto piece = static_cast<std::size_t>(labels.at<int>(from));
-    if (piece == 0 || labels.at<int>(to) != 0) return;
-    ++all[piece];
-    if (performer.at<std::uint8_t>(to) != 0) ++by_performer[piece];
-  };
-  for (int y = 1; y < labels.rows; ++y)
-    for (int x = 1; x < labels.cols; ++x)
-      for (const cv::Point beside : {cv::Point(x - 1, y), cv::Point(x, y - 1)})
-        look({x, y}, beside), look(beside, {x, y});
+  for (int y = 1; y + 1 < labels.rows; ++y)
+    for (int x = 1; x + 1 < labels.cols; ++x) {
+      const auto piece = static_cast<std::size_t>(labels.at<int>(y, x));
+      if (piece == 0) continue;
+      for (const cv::Point beside :
+           {cv::Point(x - 1, y), cv::Point(x + 1, y), cv::Point(x, y - 1), cv::Point(x, y + 1)}) {
+        if (labels.at<int>(beside) != 0) continue;
+        ++all[piece];
+        if (performer.at<std::uint8_t>(beside) != 0) ++by_performer[piece];
+      }
+    }
   std::vector<bool> is_bordered(count, false);
   for (std::size_t i = 1; i < count; ++i) is_bordered[i] = all[i] > 0 && by_performer[i] >= kFoldBorder * all[i];
   return is_bordered;
 }
 
-// What is too dark to tell becomes performer where the performer borders on it nearly all around: a fold that is open
+// What is too dark to tell becomes performer where it borders on the performer on most sides: a fold that is open
 // at the hem. A contact shadow lies along a sole, and half of it borders on the floor.
 void fill_open_folds(Inside& inside) {
   cv::Mat dark, labels;
   cv::morphologyEx(inside.unlit, dark, cv::MORPH_CLOSE, cv::Mat::ones(3, 3, CV_8UC1));  // noise lights single pixels
   dark &= ~inside.all;
+  if (cv::countNonZero(dark) == 0) return;
   const auto count = static_cast<std::size_t>(cv::connectedComponents(dark, labels, 4, CV_32S));
   const auto is_fold = bordered_by(inside.all, labels, count);
   for (int y = 0; y < dark.rows; ++y)
@@ -192,10 +194,12 @@ void fill_open_folds(Inside& inside) {
 // A gap between limbs that shows no backdrop of its own is as wide as its mixtures at most: what may be a mixture, but
 // is wider, is cloth near the backdrop's colour. Not where nothing firm is about: there the plate is wrong.
 void firm_wide_cloth(Inside& inside) {
-  cv::Mat wide, sure = inside.all.clone();
-  turn_pieces(sure, 255, inside.firm, [](const int* piece, int firm) { return 2 * firm < piece[cv::CC_STAT_AREA]; });
+  cv::Mat wide;
   cv::morphologyEx(inside.all & ~inside.firm, wide, cv::MORPH_OPEN,
                    cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * kMixtureReach + 1, 2 * kMixtureReach + 1}));
+  if (cv::countNonZero(wide) == 0) return;
+  cv::Mat sure = inside.all.clone();
+  turn_pieces(sure, 255, inside.firm, [](const int* piece, int firm) { return 2 * firm < piece[cv::CC_STAT_AREA]; });
   inside.firm |= wide & sure;
 }
 

@@ -48,16 +48,16 @@ float linear_at(float level) {
   return static_cast<float>(linear_of_srgb(std::clamp(level, 0.0F, 255.0F) / 255.0));
 }
 
-// Slope of the curve, linear light by grey level.
-float slope_at(float linear) {
-  const float srgb = static_cast<float>(srgb_of_linear(linear));
+// Slope of the curve where both are `level` and `linear`, linear light by grey level.
+float slope_at(float level, float linear) {
+  const float srgb = std::clamp(level, 0.0F, 255.0F) / 255.0F;
   return (srgb <= 0.04045F ? 1.0F / 12.92F : 2.4F * linear / (srgb + 0.055F)) / 255.0F;
 }
 
 MixedValue mixed_value(float alpha, float inside, float outside) {
   const float in = linear_at(inside), out = linear_at(outside), mixed = alpha * in + (1.0F - alpha) * out;
-  const float slope = slope_at(mixed);
-  return {255.0F * static_cast<float>(srgb_of_linear(mixed)), alpha * slope_at(in) / slope, (in - out) / slope};
+  const float value = 255.0F * static_cast<float>(srgb_of_linear(mixed)), slope = slope_at(value, mixed);
+  return {value, alpha * slope_at(inside, in) / slope, (in - out) / slope};
 }
 
 // The likeliest value of the performer in a photosite that is `alpha` of it: between what solving the mixture gives,

@@ -24,7 +24,7 @@ namespace rotunda::capture {
 
 namespace {
 
-constexpr int least_packet = 576;           // bytes, that GigE Vision asks of every link
+constexpr int least_packet = 576;  // bytes, that GigE Vision asks of every link
 
 class AravisSource;
 

@@ -23,7 +23,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto kLookForStop = 100ms;       // at the latest; stopping the stream wakes the thread at once
+constexpr auto kLookForStop = 100ms;  // at the latest; stopping the stream wakes the thread at once
 // A camera that runs by itself and is silent this long, or for so many of its periods, hangs: opening it anew helps.
 constexpr auto kLongestSilence = 3s;
 constexpr int kPeriodsOfSilence = 10;

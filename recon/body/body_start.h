@@ -31,8 +31,8 @@ std::optional<BodyStart> start_body(const FrameOutlines& frame, const std::optio
 bool fits_well(const BodyStart& start);  // most of the outlines is explained
 
 // Which of the starts, found in several frames of one person, to go by. A crouch or a leap makes another body than the
-// performer's fit: of those that fit well (if there are any) and agree on the performer's height, the one that fits best.
-// Nothing if none fits at all.
+// performer's fit: of those that fit well (if there are any) and agree on the performer's height, the one that fits
+// best. Nothing if none fits at all.
 std::optional<std::size_t> most_credible(const std::vector<BodyStart>& starts);
 
 // The poses it tries, for a body of known measures; also where tracking starts anew.

@@ -120,7 +120,7 @@ void find_landings(const Feet& feet, Side side, double flat, std::vector<HeelStr
   for (std::size_t i = 0; i < feet.size(); ++i) {
     const bool down = feet[i].seen && feet[i].sole >= flat;
     if (lifted && down) strikes.push_back({static_cast<int>(i), side});
-    lifted = !down && (lifted || !feet[i].seen || feet[i].height > kLifted);
+    lifted = !down && (lifted || feet[i].height > kLifted);  // 0 where legs that touch hide it
   }
 }
 

@@ -2,7 +2,8 @@
 // What the feet do, from the surfaces of a clip alone (ALGORITHMS step 9): which way the person faces, how the floor
 // runs under them (a treadmill's belt; people who go on the spot), when heels strike and which foot stands when.
 // Heel strikes of people who walk or run: the foot is farthest ahead of the body (Zeni, Richards, Higginson 2008), then
-// first down. Of people who stay: a lifted foot stands flat again. World frame, metres, seconds. Lattice samples need not correspond over time.
+// first down. Of people who stay: a lifted foot stands flat again. World frame, metres, seconds. Lattice samples need
+// not correspond over time.
 #include <Eigen/Core>
 #include <vector>
 

@@ -175,11 +175,12 @@ void add_show(CommandLine& line) {
       "show", "what a geometry video or a character holds; a take, or its frames, as a picture");
   app->add_option("clip", *clip, "a take, by name or path, or a geometry video's file")->required();
   app->add_option("--picture", *picture, "write a contact sheet of the take, or frames of the geometry video (PNG)");
-  app->add_option("--frame", *frame, "of the contact sheet")->capture_default_str();
+  app->add_option("--frame", *frame, "of the contact sheet or figure")->capture_default_str();
   auto figure = std::make_shared<int>(0);
-  app->add_option("--figure", *figure,
-                  "with --picture, of a take: as the first paper's figure 1 (one frame through the stages), 2 (geometry "
-                  "images before and after alignment) or 4 (quantised at 1 cm, not quantised, view-dependent)")
+  app->add_option(
+         "--figure", *figure,
+         "with --picture, of a take: as the first paper's figure 1 (one frame through the stages), 2 (geometry "
+         "images before and after alignment) or 4 (quantised at 1 cm, not quantised, view-dependent)")
       ->check(CLI::IsMember({1, 2, 4}));
   app->footer(
       "Examples:\n  rotunda show demo --picture contact.png\n  rotunda show demo --figure 1 --picture stages.png\n"

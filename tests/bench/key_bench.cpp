@@ -2,7 +2,8 @@
 // OpenCV's MOG2, and what it costs.
 //   key_bench [--development] [--keep DIR] [--pictures DIR] [--person NAME] [--no-baselines]
 // Mattes: overlap (IoU) mean and worst, distance between the outlines both ways, its signed mean (positive: ours is too
-// large). Colours: the rim's four pixels against the truth, by person and of all. Cost: CPU and wall time of ten pictures.
+// large). Colours: the rim's four pixels against the truth, by person and of all. Cost: CPU and wall time of ten
+// pictures.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>

@@ -13,7 +13,6 @@
 #include <cstdio>
 #include <ctime>
 #include <filesystem>
-#include <fstream>
 #include <iterator>
 #include <map>
 #include <numeric>
@@ -116,12 +115,6 @@ std::vector<double> floor_of(const OnTruth& a, const OnTruth& b, const recon::Ge
   return result;
 }
 
-std::string settings_of(const fs::path& frames) {
-  std::ifstream file(frames / "settings.json");
-  if (!file) throw InvalidInput(frames.string() + ": no reconstructed frames; run rotunda recon first");
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
 // Grey where a sample has kept its place on the body since `a`, red where it is 50 mm or more away, blue: nobody knows.
 recon::GeometryImage error_picture(recon::GeometryImage image, const OnTruth& a, const OnTruth& b) {
   image.colour_level = image.level;
@@ -157,8 +150,8 @@ void print(const std::string& what, const Spread& spread, const std::string& ask
 class Take {
  public:
   Take(const std::string& folder, std::string truth, const std::string& joints)
-      : store_(fs::path(folder) / "recon" / "frames", settings_of(fs::path(folder) / "recon" / "frames")),
-        truth_(std::move(truth)) {
+      : store_(recon::FrameStore::folder_of(folder)), truth_(std::move(truth)) {
+    if (!store_.finished(0)) throw InvalidInput(folder + ": no reconstructed frames; run rotunda recon first");
     if (!joints.empty()) track_ = recon::steadied(recon::read_joints_json(joints));
   }
 

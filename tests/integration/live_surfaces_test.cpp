@@ -46,7 +46,8 @@ TEST_F(LiveSurfaces, AreMadeBesideARecordingThatLosesNothingAndAKilledViewerDoes
 
   // Right after a take the rig is not live again yet: these are made of sets that came later.
   const auto now = wait_for_status([&](const json& status) {
-    return status["surfaces"]["made"] >= after["surfaces"]["made"].get<int>() + 3 && status["surfaces"]["rate_hz"] > 0.0;
+    return status["surfaces"]["made"] >= after["surfaces"]["made"].get<int>() + 3 &&
+           status["surfaces"]["rate_hz"] > 0.0;
   });
   EXPECT_EQ(now["surfaces"]["state"], "running");
   EXPECT_GT(now["surfaces"]["delay_ms"], 0.0);

@@ -60,12 +60,11 @@ bool may_be_timely() {
 }
 
 TEST(TriggerSchedule, GoesBeforeAllThatIsNotAsPressing) {
-  if (!may_be_timely()) GTEST_SKIP() << "this user may have no thread of real-time priority; be root";
-  int policy = SCHED_OTHER;
+  int policy = -1;
   TriggerSchedule schedule(immediate_triggers(1000, 100, RigClock::now()),
                            [&](const Trigger&) { policy = scheduling_of_this_thread(); });
   schedule.wait();
-  EXPECT_EQ(policy, SCHED_RR);
+  EXPECT_EQ(policy, may_be_timely() ? SCHED_RR : SCHED_OTHER) << "as far as this user may";
   EXPECT_EQ(scheduling_of_this_thread(), SCHED_OTHER) << "and no other thread";
 }
 

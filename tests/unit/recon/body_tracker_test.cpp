@@ -28,7 +28,6 @@ double mean_joint_error(const Skeleton& a, const Pose& pose, const Skeleton& b, 
   return sum / static_cast<double>(kBodyJoints);
 }
 
-// A pixel is 11 mm here, one of the distance field 22.
 BodyStart start_of(double height, double explained, double residual) {
   BodyStart start{template_of_height(height), {}};
   start.fit.explained = explained;
@@ -46,6 +45,7 @@ TEST(BodyStart, TheMostCredibleAgreesOnTheHeightAndFitsBest) {
   EXPECT_EQ(most_credible({}), std::nullopt);
 }
 
+// A pixel is 11 mm here, one of the distance field 22.
 TEST(PoseFit, CarriesAPoseNearbyOntoTheSilhouettes) {
   const auto body = template_of_height(1.75);
   const auto truth = walking_pose(body, 0.2);
