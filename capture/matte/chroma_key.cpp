@@ -8,8 +8,10 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
+#include "capture/matte/cloth_in_doubt.h"
 #include "capture/matte/edge_matte.h"
 #include "capture/matte/key_limit.h"
+#include "capture/matte/mask_pieces.h"
 #include "config/errors.h"
 
 namespace rotunda::capture {
@@ -21,11 +23,10 @@ constexpr double kLeastBackdrop = 0.05;
 constexpr float kDifferenceStep = 0.16F;  // of ln(channel): 17 % off the plate's colour at its best brightness
 constexpr float kFirmLead = 0.3F;         // beyond the limit: a pixel half performer leads it by less
 constexpr float kBareLead = -0.1F;        // the plate's own colour stands at -0.25
+constexpr float kNoLead = -100.0F;        // off the screen and off the stage
 constexpr int kBareGap = 3;               // pixels of it that make a gap
 constexpr int kSmallestPiece = 4000;      // a picture's area over this is the smallest piece of performer kept
 constexpr int kSmallestHole = 20000;
-constexpr double kFoldBorder = 0.75;  // of a fold's border, the share that is performer
-constexpr int kMixtureReach = 2;   // pixels about a gap, however narrow, that lens, demosaicing and kBlur mix with it
 constexpr double kHalf = 127.0;    // of alpha
 constexpr int kHeldDepth = 3;      // pixels inside the outline: there a mixture with the backdrop is none of its edge
 constexpr int kOverexposed = 250;  // grey levels: what the sensor or its curve cannot tell from white
@@ -38,32 +39,27 @@ cv::Mat blurred(const cv::Mat& rgb) {
   return result;
 }
 
-// The performer, and of it what leads so far that it is no mixture of performer and backdrop.
-struct Inside {
-  cv::Mat all, firm;  // CV_8UC1, 255 inside
-  cv::Mat unlit;      // CV_8UC1, 255 where it is too dark to tell
-  cv::Mat bare;       // CV_8UC1, 255 where it is plainly the backdrop: no cloth is as blue as a screen
-};
-
-// Where `held` (empty: nowhere) is set the limit is that of the plain backdrop.
-Inside by_chroma(const cv::Mat& log_rgb, const cv::Mat& log_plate, const KeyChannels& channels, const cv::Mat& held) {
+KeyedPixels by_chroma(const cv::Mat& log_rgb, const cv::Mat& log_plate, const KeyChannels& channels) {
   const float least = std::log(kDarkest + kLogOffset);
-  Inside inside;
+  KeyedPixels inside;
   for (auto* mask : {&inside.all, &inside.firm, &inside.unlit, &inside.bare}) mask->create(log_rgb.size(), CV_8UC1);
+  for (auto* values : {&inside.lead, &inside.brightness}) values->create(log_rgb.size(), CV_32FC1);
   for (int y = 0; y < log_rgb.rows; ++y) {
     const auto* pixel = log_rgb.ptr<cv::Vec3f>(y);
     const auto* plate = log_plate.ptr<cv::Vec3f>(y);
     auto *all = inside.all.ptr<std::uint8_t>(y), *firm = inside.firm.ptr<std::uint8_t>(y);
     auto *unlit = inside.unlit.ptr<std::uint8_t>(y), *bare = inside.bare.ptr<std::uint8_t>(y);
-    const auto* is_held = held.empty() ? nullptr : held.ptr<std::uint8_t>(y);
+    auto *leads = inside.lead.ptr<float>(y), *brightness = inside.brightness.ptr<float>(y);
     for (int x = 0; x < log_rgb.cols; ++x) {
-      const float lead = key_lead(cv::Vec3f(pixel[x] - plate[x]), channels);
+      const cv::Vec3f gain = pixel[x] - plate[x];
+      const float lead = key_lead(gain, channels);
       const bool lit = pixel[x][channels.far] > least;
-      const bool hold = is_held && is_held[x];
-      all[x] = lit && lead > (hold ? kBareLead : 0.0F) ? 255 : 0;
-      firm[x] = lit && lead > (hold ? kBareLead : kFirmLead) ? 255 : 0;
+      all[x] = lit && lead > 0.0F ? 255 : 0;
+      firm[x] = lit && lead > kFirmLead ? 255 : 0;
       unlit[x] = lit ? 0 : 255;
       bare[x] = lit && lead < kBareLead ? 255 : 0;
+      brightness[x] = gain[channels.own];
+      leads[x] = lead;
     }
   }
   return inside;
@@ -76,7 +72,7 @@ bool is_different(const cv::Vec3f& gain) {
 }
 
 // Where `screen` (CV_8UC1) is 0 only the difference can tell.
-void tell_by_difference(const cv::Mat& log_rgb, const cv::Mat& log_plate, const cv::Mat& screen, Inside& inside) {
+void tell_by_difference(const cv::Mat& log_rgb, const cv::Mat& log_plate, const cv::Mat& screen, KeyedPixels& inside) {
   for (int y = 0; y < log_rgb.rows; ++y)
     for (int x = 0; x < log_rgb.cols; ++x) {
       if (screen.at<std::uint8_t>(y, x) != 0) continue;
@@ -84,28 +80,8 @@ void tell_by_difference(const cv::Mat& log_rgb, const cv::Mat& log_plate, const 
       const std::uint8_t value = is_different(gain) ? 255 : 0;
       inside.all.at<std::uint8_t>(y, x) = inside.firm.at<std::uint8_t>(y, x) = value;
       inside.unlit.at<std::uint8_t>(y, x) = inside.bare.at<std::uint8_t>(y, x) = 0;
+      inside.lead.at<float>(y, x) = kNoLead;
     }
-}
-
-// Turns the pieces of `value` (0 or 255) over that `goes` says of, by their statistics (cv::ConnectedComponentsTypes)
-// and how many of their pixels are `marked`.
-template <class Goes>
-void turn_pieces(cv::Mat mask, std::uint8_t value, const cv::Mat& marked, const Goes& goes) {
-  cv::Mat labels, statistics, centres;
-  const int count = cv::connectedComponentsWithStats(mask == value, labels, statistics, centres, value ? 8 : 4, CV_32S);
-  std::vector<int> marks(static_cast<std::size_t>(count), 0);
-  if (cv::countNonZero(marked) > 0)
-    for (int y = 0; y < mask.rows; ++y)
-      for (int x = 0; x < mask.cols; ++x)
-        if (marked.at<std::uint8_t>(y, x)) ++marks[static_cast<std::size_t>(labels.at<int>(y, x))];
-  std::vector<std::uint8_t> after(static_cast<std::size_t>(count), value);
-  after[0] = static_cast<std::uint8_t>(255 - value);
-  for (int piece = 1; piece < count; ++piece)
-    if (goes(statistics.ptr<int>(piece), marks[static_cast<std::size_t>(piece)]))
-      after[static_cast<std::size_t>(piece)] = after[0];
-  for (int y = 0; y < mask.rows; ++y)
-    std::transform(labels.ptr<int>(y), labels.ptr<int>(y) + mask.cols, mask.ptr<std::uint8_t>(y),
-                   [&](int label) { return after[static_cast<std::size_t>(label)]; });
 }
 
 // The part of the picture that got light: digitised video has black bars along its sides, wholly dark rows and columns.
@@ -141,9 +117,21 @@ void drop_stray_pieces(cv::Mat& inside, const cv::Mat& rgb, const cv::Rect& lit)
   inside = kept;
 }
 
+void keep_to_stage(const cv::Mat& stage, KeyedPixels& inside) {
+  inside.all &= stage;
+  inside.lead.setTo(kNoLead, ~stage);
+}
+
+// Where `held` is set everything but the plain backdrop is performer.
+void hold(const cv::Mat& held, KeyedPixels& inside) {
+  const cv::Mat kept = held & (inside.lead > kBareLead) & ~inside.unlit;
+  inside.all |= kept;
+  inside.firm |= kept;
+}
+
 // Small ones that do not plainly show the backdrop, as gaps between limbs do; and those too dark to tell that the
 // performer surrounds: folds of the clothes, for the backdrop gets light wherever the camera sees it past somebody.
-void fill_holes(Inside& inside) {
+void fill_holes(KeyedPixels& inside) {
   const int smallest = std::max(4, static_cast<int>(inside.all.total()) / kSmallestHole);
   const cv::Mat before = inside.all.clone();
   turn_pieces(inside.all, 0, inside.bare,
@@ -155,52 +143,6 @@ void fill_holes(Inside& inside) {
     return is_surrounded && 2 * unlit > piece[cv::CC_STAT_AREA];
   });
   inside.firm |= inside.unlit & inside.all & ~before;
-}
-
-// Of each piece (`labels`, 0: none) whether `performer` makes up kFoldBorder of its border.
-std::vector<bool> bordered_by(const cv::Mat& performer, const cv::Mat& labels, std::size_t count) {
-  std::vector<int> all(count, 0), by_performer(count, 0);
-  for (int y = 1; y + 1 < labels.rows; ++y)
-    for (int x = 1; x + 1 < labels.cols; ++x) {
-      const auto piece = static_cast<std::size_t>(labels.at<int>(y, x));
-      if (piece == 0) continue;
-      for (const cv::Point beside :
-           {cv::Point(x - 1, y), cv::Point(x + 1, y), cv::Point(x, y - 1), cv::Point(x, y + 1)}) {
-        if (labels.at<int>(beside) != 0) continue;
-        ++all[piece];
-        if (performer.at<std::uint8_t>(beside) != 0) ++by_performer[piece];
-      }
-    }
-  std::vector<bool> is_bordered(count, false);
-  for (std::size_t i = 1; i < count; ++i) is_bordered[i] = all[i] > 0 && by_performer[i] >= kFoldBorder * all[i];
-  return is_bordered;
-}
-
-// What is too dark to tell becomes performer where it borders on the performer on most sides: a fold that is open
-// at the hem. A contact shadow lies along a sole, and half of it borders on the floor.
-void fill_open_folds(Inside& inside) {
-  cv::Mat dark, labels;
-  cv::morphologyEx(inside.unlit, dark, cv::MORPH_CLOSE, cv::Mat::ones(3, 3, CV_8UC1));  // noise lights single pixels
-  dark &= ~inside.all;
-  if (cv::countNonZero(dark) == 0) return;
-  const auto count = static_cast<std::size_t>(cv::connectedComponents(dark, labels, 4, CV_32S));
-  const auto is_fold = bordered_by(inside.all, labels, count);
-  for (int y = 0; y < dark.rows; ++y)
-    for (int x = 0; x < dark.cols; ++x)
-      if (is_fold[static_cast<std::size_t>(labels.at<int>(y, x))])
-        inside.all.at<std::uint8_t>(y, x) = inside.firm.at<std::uint8_t>(y, x) = 255;
-}
-
-// A gap between limbs that shows no backdrop of its own is as wide as its mixtures at most: what may be a mixture, but
-// is wider, is cloth near the backdrop's colour. Not where nothing firm is about: there the plate is wrong.
-void firm_wide_cloth(Inside& inside) {
-  cv::Mat wide;
-  cv::morphologyEx(inside.all & ~inside.firm, wide, cv::MORPH_OPEN,
-                   cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * kMixtureReach + 1, 2 * kMixtureReach + 1}));
-  if (cv::countNonZero(wide) == 0) return;
-  cv::Mat sure = inside.all.clone();
-  turn_pieces(sure, 255, inside.firm, [](const int* piece, int firm) { return 2 * firm < piece[cv::CC_STAT_AREA]; });
-  inside.firm |= wide & sure;
 }
 
 // Nothing where no screen's colour leads: then only a background's difference can tell.
@@ -240,15 +182,17 @@ Matte chroma_key(const cv::Mat& rgb, const ChromaKeyOptions& options, const cv::
   cv::Mat log_plate = plate.empty() ? fit_plate(rgb, backdrop) : log_picture(plate);
   if (log_plate.empty()) return {cv::Mat::zeros(rgb.size(), CV_8UC1)};
   if (!plate.empty() && !difference) log_plate += light_change(log_rgb, log_plate, backdrop);
-  Inside inside = by_chroma(log_rgb, log_plate, key_channels(log_plate, backdrop), options.held);
+  KeyedPixels inside = by_chroma(log_rgb, log_plate, key_channels(log_plate, backdrop));
   if (!plate.empty()) {
     const cv::Mat screen = difference ? cv::Mat::zeros(rgb.size(), CV_8UC1) : backdrop_mask(plate, backdrop);
     tell_by_difference(log_rgb, log_plate, screen, inside);
   }
-  if (!options.stage.empty()) inside.all &= options.stage;
+  if (!options.stage.empty()) keep_to_stage(options.stage, inside);
   drop_stray_pieces(inside.all, rgb, lit_area(rgb));
-  fill_holes(inside);
   fill_open_folds(inside);
+  add_sharp_edged_cloth(inside);
+  if (!options.held.empty()) hold(options.held, inside);
+  fill_holes(inside);
   firm_wide_cloth(inside);
   return edge_matte(rgb, background.empty() ? picture_of_log(log_plate) : background, inside.all, inside.firm);
 }

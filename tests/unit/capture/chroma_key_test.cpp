@@ -240,6 +240,38 @@ TEST(ChromaKey, TakesAWidePatchNearTheScreensColourForCloth) {
   EXPECT_GT(least, 200.0);
 }
 
+// `share` (of the way there) of the plate as deep shadow or dark cloth in the screen's light dims it.
+cv::Vec3b dimmed(const cv::Vec3b& plate, double share) {
+  const std::array<double, 3> gain{-1.47, -1.0, -1.1};  // of ln(channel + 3), as the key forms ratios
+  cv::Vec3b result;
+  for (int c = 0; c < 3; ++c)
+    result[c] =
+        cv::saturate_cast<std::uint8_t>((plate[c] + 3.0) * std::exp(share * gain[static_cast<std::size_t>(c)]) - 3.0);
+  return result;
+}
+
+// Beside the disc, a strip in such a colour that fades out over `penumbra` pixels.
+cv::Mat with_dim_strip(const Scene& scene, const cv::Mat& plate, double penumbra) {
+  cv::Mat rgb = picture_of(scene);
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 205; x < kWidth; ++x) {
+      const double past = std::hypot(std::max(0, x - 225), std::max(0, std::abs(y - 120) - 20));
+      const double share = std::max(0.0, 1.0 - past / penumbra);
+      if (std::hypot(x - kCentre.x, y - kCentre.y) > kRadius - 1.0)
+        rgb.at<cv::Vec3b>(y, x) = dimmed(plate.at<cv::Vec3b>(y, x), share);
+    }
+  return rgb;
+}
+
+// The underside of a thigh before the screen, and a shadow on it.
+TEST(ChromaKey, TakesDarkClothOfTheScreensHueByItsSharpEdgeAndLeavesSoftShadow) {
+  const Scene scene{.backdrop = {0.05F, 0.09F, 0.35F}, .noise = 0.0};
+  const cv::Mat plate = picture_of(scene, false);
+  const cv::Rect strip(214, 106, 8, 28);
+  EXPECT_GT(cv::mean(chroma_key(with_dim_strip(scene, plate, 1.0), {}, plate).alpha(strip))[0], 240.0);
+  EXPECT_LT(cv::mean(chroma_key(with_dim_strip(scene, plate, 30.0), {}, plate).alpha(strip))[0], 15.0);
+}
+
 TEST(ChromaKey, TakesALampInThePictureForNobodyWithoutAPlate) {
   cv::Mat rgb = picture_of({});
   const cv::Rect lamp(200, 0, 60, 20);
