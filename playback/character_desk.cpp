@@ -6,18 +6,15 @@
 #include <cmath>
 #include <numbers>
 
+#include "playback/eye_control.h"
+
 namespace rotunda::playback {
 namespace {
 
 constexpr double kTurn = std::numbers::pi / 12.0;  // of the character, a key press
 constexpr double kFaster = 0.2;                    // m/s a key press
 constexpr double kSlowMotion = 0.25;
-constexpr double kZoom = 1.08;             // a key press
-constexpr double kTurnPerHeight = 3.0;     // radians for a drag over the window's height
 constexpr std::size_t kRemembered = 1500;  // pictures: 25 seconds at sixty a second
-constexpr double kDead = 0.15;             // of a stick's way: none rests quite in the middle
-constexpr double kStickTurn = 2.0;         // radians a second
-constexpr double kStickZoom = 2.0;         // times a second
 constexpr double kSameSpeed = 0.15;        // m/s
 constexpr double kSameWay = 0.05;          // radians
 
@@ -73,9 +70,8 @@ void CharacterDesk::press(Key key, CharacterPlayer& player, Orbit& orbit) {
     case Key::down:
       return change_speed(player, -kFaster);
     case Key::plus:
-      return orbit.zoom(kZoom);
     case Key::minus:
-      return orbit.zoom(1.0 / kZoom);
+      return zoom_by_key(key, orbit);
     case Key::next:
       return step(player, 1);
     case Key::previous:
@@ -94,6 +90,8 @@ void CharacterDesk::press(Key key, CharacterPlayer& player, Orbit& orbit) {
     }
     case Key::grey:
       draw_.shading = draw_.shading == Shading::grey ? Shading::colour : Shading::grey;
+      return;
+    case Key::pictures:
       return;
     case Key::map:
       map_ = !map_;
@@ -127,9 +125,9 @@ void CharacterDesk::press(Button button, CharacterPlayer& player) {
 }
 
 // The left stick away from the hand is away from the eye. Let go, it asks for standing once.
-void CharacterDesk::push_sticks(const Gamepad& pad, CharacterPlayer& player, Orbit& orbit, double seconds) {
+void CharacterDesk::push_stick(const Gamepad& pad, const Orbit& orbit, CharacterPlayer& player) {
   const double push = std::hypot(pad.left_right, pad.left_up);
-  const double speed = push < kDead ? 0.0 : std::min(1.0, push) * fastest_;
+  const double speed = push < kStickDead ? 0.0 : std::min(1.0, push) * fastest_;
   if (std::abs(speed - pushed_) > kSameSpeed || (speed == 0.0 && pushed_ != 0.0)) {
     player.command({.speed = speed});
     pushed_ = speed_ = speed;
@@ -139,18 +137,14 @@ void CharacterDesk::push_sticks(const Gamepad& pad, CharacterPlayer& player, Orb
     if (std::abs(std::remainder(away + to_the_left - player.aim(), 2.0 * std::numbers::pi)) > kSameWay)
       player.command({.heading = away + to_the_left});
   }
-  const auto beyond = [](double push_of_axis) { return std::abs(push_of_axis) < kDead ? 0.0 : push_of_axis; };
-  orbit.turn(-kStickTurn * seconds * beyond(pad.right_right), kStickTurn * seconds * beyond(pad.right_up));
-  orbit.zoom(std::pow(kStickZoom, seconds * (beyond(pad.closer) - beyond(pad.farther))));
 }
 
 void CharacterDesk::apply(const WindowInput& input, CharacterPlayer& player, Orbit& orbit, double seconds) {
   for (const Key key : input.keys) press(key, player, orbit);
   for (const int digit : input.digits) choose(static_cast<std::size_t>(digit - 1), player);
   for (const Button button : input.buttons) press(button, player);
-  if (input.gamepad) push_sticks(*input.gamepad, player, orbit, seconds);
-  orbit.turn(-kTurnPerHeight * input.drag_x, kTurnPerHeight * input.drag_y);
-  if (input.scroll != 0.0) orbit.zoom(std::pow(1.1, input.scroll));
+  if (input.gamepad) push_stick(*input.gamepad, orbit, player);
+  move_eye(input, orbit, seconds);
   shift_ += Eigen::Vector2d(input.shift_x, input.shift_y);
 }
 

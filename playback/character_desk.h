@@ -43,7 +43,7 @@ class CharacterDesk {
   void press(Button button, CharacterPlayer& player);
   void choose(std::size_t choice, CharacterPlayer& player);
   void change_speed(CharacterPlayer& player, double change);
-  void push_sticks(const Gamepad& pad, CharacterPlayer& player, Orbit& orbit, double seconds);
+  void push_stick(const Gamepad& pad, const Orbit& orbit, CharacterPlayer& player);
   void step(CharacterPlayer& player, int pictures);
 
   std::vector<std::string> choices_;  // behind the keys 1, 2, ...

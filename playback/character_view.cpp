@@ -30,9 +30,7 @@ void CharacterView::follow(const Appearance& appearance, double seconds) {
 }
 
 void CharacterView::shift(const Eigen::Vector2d& heights) {
-  const auto eye = orbit_.viewpoint(2, 2);
-  const double metres = 2.0 * orbit_.distance * std::tan(0.5 * orbit_.field_of_view);
-  const Eigen::Vector3d way = -metres * (heights.x() * eye.R.row(0) + heights.y() * eye.R.row(1)).transpose();
+  const Eigen::Vector3d way = orbit_.shift(heights);
   orbit_.target += way;
   beside_ += way.head<2>();
 }

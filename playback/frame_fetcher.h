@@ -1,15 +1,12 @@
 #pragma once
-// Decodes a geometry video ahead of whoever shows it, in one thread of its own ("decode"). Clips that fit the memory
-// allowed are decoded once and kept; longer ones keep a few frames ahead. Frames follow each other in a ring.
-#include <condition_variable>
+// A take's frames made ahead of the window that shows them: its geometry video decoded (thread "decode"), its cameras'
+// pictures keyed (thread "key"). Clips that fit the memory allowed are made once and kept; of longer ones a few frames.
 #include <cstddef>
-#include <exception>
-#include <map>
 #include <memory>
-#include <mutex>
-#include <stop_token>
-#include <thread>
+#include <vector>
 
+#include "playback/read_ahead.h"
+#include "playback/render/take_pictures.h"
 #include "recon/video/geometry_video.h"
 
 namespace rotunda::playback {
@@ -19,31 +16,17 @@ struct FrameFetcherOptions {
   std::size_t memory = std::size_t{1} << 30;  // bytes
 };
 
-class FrameFetcher {
+// The reader is the fetcher's alone until it is destroyed. Throws what the reader throws at the frame asked for.
+class FrameFetcher : public ReadAhead<recon::GeometryImage> {
  public:
-  using Image = std::shared_ptr<const recon::GeometryImage>;
-
-  // The reader is the fetcher's alone until it is destroyed.
   explicit FrameFetcher(recon::GeometryVideoReader& video, const FrameFetcherOptions& options = {});
+};
 
-  // Frame `frame` if it is decoded, else nothing; decoding goes on from there.
-  Image ready(int frame);
-  // Waits for it. Both throw what the reader threw at that frame.
-  Image wait_for(int frame);
-
- private:
-  void decode(const std::stop_token& stop);
-  int next_missing() const;  // -1: all that is wanted is there
-  Image found(int frame) const;
-
-  recon::GeometryVideoReader& video_;
-  const int level_, frames_, ahead_;
-  mutable std::mutex mutex_;
-  std::condition_variable_any changed_;
-  std::map<int, Image> images_;
-  std::map<int, std::exception_ptr> errors_;
-  int wanted_ = 0;
-  std::jthread thread_;  // last: the first to end
+// Frame 0 is `first_frame` of the take; so are the video's, of `frames`. `pictures` are the fetcher's alone.
+class PictureFetcher : public ReadAhead<std::vector<SourceView>> {
+ public:
+  PictureFetcher(std::shared_ptr<TakePictures> pictures, std::size_t first_frame, int frames,
+                 std::size_t memory = std::size_t{1} << 30);
 };
 
 }  // namespace rotunda::playback

@@ -1,9 +1,9 @@
 #include "playback/live_player.h"
 
 #include <chrono>
-#include <cmath>
 
 #include "playback/display/window.h"
+#include "playback/eye_control.h"
 
 namespace rotunda::playback {
 namespace {
@@ -18,22 +18,16 @@ struct LiveControl {
 };
 
 void press(LiveStage& stage, LiveControl& control, Key key) {
-  constexpr double kTurn = 0.08;  // radians a key press
-  constexpr double kZoom = 1.08;
   auto& orbit = stage.orbit();
   switch (key) {
     case Key::left:
-      return orbit.turn(-kTurn, 0.0);
     case Key::right:
-      return orbit.turn(kTurn, 0.0);
     case Key::up:
-      return orbit.turn(0.0, kTurn);
     case Key::down:
-      return orbit.turn(0.0, -kTurn);
+      return turn_by_key(key, orbit);
     case Key::plus:
-      return orbit.zoom(kZoom);
     case Key::minus:
-      return orbit.zoom(1.0 / kZoom);
+      return zoom_by_key(key, orbit);
     case Key::home:
       return stage.look_from_front();
     case Key::grey:
@@ -48,21 +42,20 @@ void press(LiveStage& stage, LiveControl& control, Key key) {
     case Key::next:
     case Key::previous:
     case Key::map:
+    case Key::pictures:
     case Key::follow:
     case Key::help:
       return;
   }
 }
 
-void apply(LiveStage& stage, LiveControl& control, const WindowInput& input) {
+void apply(LiveStage& stage, LiveControl& control, const WindowInput& input, double seconds) {
   for (const Key key : input.keys) press(stage, control, key);
-  constexpr double kTurnPerHeight = 3.0;  // radians for a drag over the window's height
-  stage.orbit().turn(-kTurnPerHeight * input.drag_x, kTurnPerHeight * input.drag_y);
-  if (input.scroll != 0.0) stage.orbit().zoom(std::pow(1.1, input.scroll));
+  move_eye(input, stage.orbit(), seconds);
 }
 
 bool has_any(const WindowInput& input) {
-  return !input.keys.empty() || input.drag_x != 0.0 || input.drag_y != 0.0 || input.scroll != 0.0;
+  return !input.keys.empty() || moves_eye(input);
 }
 
 }  // namespace
@@ -76,6 +69,7 @@ LivePlayReport play_live(const std::function<std::optional<LiveView>()>& newest,
   const auto begin = Clock::now();
   cv::Size drawn;
   auto drawn_at = begin - kOldest;
+  auto looked_at = begin;
   while (window.is_open() && !control.ended && !options.stop.stop_requested()) {
     const auto view = control.held ? std::nullopt : newest();
     if (view) {
@@ -83,9 +77,10 @@ LivePlayReport play_live(const std::function<std::optional<LiveView>()>& newest,
       ++report.surfaces;
     }
     const auto input = window.take_input();
-    apply(stage, control, input);
-    const cv::Size size(window.width(), window.height());
     const auto now = Clock::now();
+    apply(stage, control, input, std::chrono::duration<double>(now - looked_at).count());
+    looked_at = now;
+    const cv::Size size(window.width(), window.height());
     if (!size.empty() && (view || has_any(input) || size != drawn || now - drawn_at >= kOldest)) {
       window.bind();
       stage.draw(size.width, size.height);

@@ -1,89 +1,77 @@
 #include "playback/player.h"
 
 #include <chrono>
-#include <cmath>
+#include <optional>
 #include <thread>
 
 #include "playback/display/window.h"
 #include "playback/frame_fetcher.h"
 #include "playback/performer_place.h"
-#include "playback/render/geometry_image_renderer.h"
+#include "playback/render/overlay.h"
+#include "playback/take_desk.h"
+#include "playback/take_view.h"
 
 namespace rotunda::playback {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr recon::Colour kBackground{24, 26, 30};
 constexpr auto kPicturePeriod = std::chrono::microseconds(16'667);  // where the display does not hold us to its own
 
 double seconds_between(Clock::time_point from, Clock::time_point to) {
   return std::chrono::duration<double>(to - from).count();
 }
 
-// Which frame is on, and how the eye stands: all that keys and mouse change.
-struct PlayState {
-  double frame = 0.0;  // with the part of a frame time that has passed
-  bool paused = false, ended = false;
-  Orbit orbit, front;
-  DrawOptions draw;
-};
-
-void step(PlayState& state, int frames) {
-  state.paused = true;
-  state.frame = std::floor(state.frame) + frames;
-}
-
-void press(PlayState& state, Key key) {
-  constexpr double kTurn = 0.08;  // radians a key press
-  constexpr double kZoom = 1.08;
-  switch (key) {
-    case Key::left:
-      return state.orbit.turn(-kTurn, 0.0);
-    case Key::right:
-      return state.orbit.turn(kTurn, 0.0);
-    case Key::up:
-      return state.orbit.turn(0.0, kTurn);
-    case Key::down:
-      return state.orbit.turn(0.0, -kTurn);
-    case Key::plus:
-      return state.orbit.zoom(kZoom);
-    case Key::minus:
-      return state.orbit.zoom(1.0 / kZoom);
-    case Key::next:
-      return step(state, 1);
-    case Key::previous:
-      return step(state, -1);
-    case Key::space:
-      state.paused = !state.paused;
-      return;
-    case Key::home:
-      state.orbit = state.front;
-      return;
-    case Key::grey:
-      state.draw.shading = state.draw.shading == Shading::grey ? Shading::colour : Shading::grey;
-      return;
-    case Key::map:
-    case Key::follow:
-    case Key::help:  // this player's keys stand in `rotunda play --help`
-      return;
-    case Key::quit:
-      state.ended = true;
-      return;
+// Brings frames onto the view as they are made.
+class Projector {
+ public:
+  Projector(recon::GeometryVideoReader& video, const PlayOptions& options)
+      : aligned_(video.header().aligned), frames_(video.frame_count()), fetcher_(video, {.level = options.level}) {
+    if (options.pictures)
+      pictures_.emplace(options.pictures, static_cast<std::size_t>(video.header().first_frame), frames_);
+    view_.show(*fetcher_.wait_for(0));
   }
-}
 
-void apply(PlayState& state, const WindowInput& input) {
-  for (const Key key : input.keys) press(state, key);
-  constexpr double kTurnPerHeight = 3.0;  // radians for a drag over the window's height
-  state.orbit.turn(-kTurnPerHeight * input.drag_x, kTurnPerHeight * input.drag_y);
-  if (input.scroll != 0.0) state.orbit.zoom(std::pow(1.1, input.scroll));
-}
+  TakeView& view() { return view_; }
+  int frame() const { return static_cast<int>(shown_); }
+  long frames_shown() const { return frames_shown_; }
 
-int frame_on(PlayState& state, int frames) {
-  state.frame = std::fmod(std::fmod(state.frame, frames) + frames, frames);
-  return std::min(static_cast<int>(state.frame), frames - 1);
-}
+  // False if it is not made yet: then the view stays as it was.
+  bool show(double at, bool in_pictures) {
+    const int frame = static_cast<int>(at);
+    const double place = aligned_ && !in_pictures ? at : frame;
+    if (place == shown_ && in_pictures == in_pictures_) return true;
+    const auto image = fetcher_.ready(frame);
+    const auto views = in_pictures ? pictures_->ready(frame) : nullptr;
+    if (!image || (in_pictures && !views)) return false;
+    if (in_pictures)
+      view_.show(*image, *views);
+    else
+      show_between(*image, frame, place - frame);
+    frames_shown_ += frame != this->frame();
+    shown_ = place;
+    in_pictures_ = in_pictures;
+    return true;
+  }
+
+ private:
+  void show_between(const recon::GeometryImage& image, int frame, double share) {
+    const auto next = share > 0.0 && frame + 1 < frames_ ? fetcher_.kept(frame + 1) : nullptr;
+    if (!next) return view_.show(image);
+    auto between = image;
+    recon::blend(between, *next, static_cast<float>(share));
+    view_.show(between);
+  }
+
+  const bool aligned_;
+  const int frames_;
+  FrameFetcher fetcher_;
+  std::optional<PictureFetcher> pictures_;
+  TakeView view_;
+  double shown_ = 0.0;
+  bool in_pictures_ = false;
+  long frames_shown_ = 1;
+};
 
 }  // namespace
 
@@ -92,41 +80,41 @@ PlayReport play(recon::GeometryVideoReader& video, const PlayOptions& options) {
   const FrameRange all{0, header.frame_count()};
   Window window(
       {.title = "rotunda", .width = options.width, .height = options.height, .fullscreen = options.fullscreen});
-  GeometryImageRenderer renderer;
-  FrameFetcher fetcher(video, {.level = options.level});
-  PlayState state;
-  state.front = state.orbit = orbit_around(header.box);
-  renderer.upload(*fetcher.wait_for(0));
-  PlayReport report{.frames = 1};
-  int shown = 0;
+  Projector projector(video, options);
+  Overlay overlay;
+  TakeDesk desk({.frames = all.count(),
+                 .first_frame = static_cast<int>(header.first_frame),
+                 .fps = header.fps,
+                 .has_pictures = options.pictures != nullptr},
+                orbit_around(header.box));
+  PlayReport report;
   const auto begin = Clock::now();
   auto last = begin;
-  while (window.is_open() && !state.ended && !options.stop.stop_requested() &&
+  double period = seconds_between(begin, begin + kPicturePeriod);
+  while (window.is_open() && !desk.ended() && !options.stop.stop_requested() &&
          (options.picture_limit == 0 || report.pictures < options.picture_limit)) {
     const auto now = Clock::now();
-    if (!state.paused) state.frame += seconds_between(last, now) * header.fps;
+    const double passed = seconds_between(last, now);
     last = now;
-    const int frame = frame_on(state, all.count());
-    if (frame != shown) {
-      if (const auto image = state.paused ? fetcher.wait_for(frame) : fetcher.ready(frame)) {
-        renderer.upload(*image);
-        shown = frame;
-        ++report.frames;
-      } else {
-        ++report.late;
-      }
+    period += 0.1 * (passed - period);
+    desk.go_on(passed);
+    if (!projector.show(desk.at(), desk.shows_pictures())) {
+      if (desk.shows_pictures()) desk.wait();
+      ++report.late;
     }
     if (window.width() > 0 && window.height() > 0) {
-      state.orbit.target = performer_place(performer_path(header), all, shown);
+      const auto performer = performer_place(performer_path(header), all, projector.frame());
+      desk.look_at(performer);
       window.bind();
-      clear(kBackground);
-      renderer.draw(state.orbit.viewpoint(window.width(), window.height()), state.draw);
+      projector.view().draw(desk.orbit().viewpoint(window.width(), window.height()), performer, desk.draw());
+      overlay.draw(text_card(desk.lines(1.0 / period)), 12, 12, window.width(), window.height());
     }
     window.present();
     ++report.pictures;
-    apply(state, window.take_input());
+    desk.apply(window.take_input(), passed);
     std::this_thread::sleep_until(now + kPicturePeriod);
   }
+  report.frames = projector.frames_shown();
   report.seconds = seconds_between(begin, Clock::now());
   return report;
 }

@@ -36,6 +36,12 @@ void Orbit::zoom(double factor) {
   distance = std::clamp(distance / factor, 0.05, 1000.0);
 }
 
+Eigen::Vector3d Orbit::shift(const Eigen::Vector2d& heights) const {
+  const auto eye = viewpoint(2, 2);
+  const double metres = 2.0 * distance * std::tan(0.5 * field_of_view);
+  return -metres * (heights.x() * eye.R.row(0) + heights.y() * eye.R.row(1)).transpose();
+}
+
 Viewpoint Orbit::viewpoint(int width, int height) const {
   const Eigen::Vector3d outwards(std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
                                  std::sin(elevation));

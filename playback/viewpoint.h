@@ -37,6 +37,8 @@ struct Orbit {
   void turn(double azimuth_change, double elevation_change);
   void zoom(double factor);  // above 1 comes closer; the distance stays within 0.05 to 1000 m
   Viewpoint viewpoint(int width, int height) const;
+  // The target's way, world, that shifts the picture by so much of its height, right and down.
+  Eigen::Vector3d shift(const Eigen::Vector2d& heights) const;
 };
 
 // An orbit about the box's middle from where all of it is in the picture, whatever the azimuth.

@@ -27,7 +27,8 @@ std::optional<Key> key_of(int glfw_key) {
       {GLFW_KEY_KP_ADD, Key::plus}, {GLFW_KEY_MINUS, Key::minus},    {GLFW_KEY_KP_SUBTRACT, Key::minus},
       {GLFW_KEY_PERIOD, Key::next}, {GLFW_KEY_COMMA, Key::previous}, {GLFW_KEY_HOME, Key::home},
       {GLFW_KEY_G, Key::grey},      {GLFW_KEY_Q, Key::quit},         {GLFW_KEY_ESCAPE, Key::quit},
-      {GLFW_KEY_F1, Key::help},     {GLFW_KEY_M, Key::map},          {GLFW_KEY_F, Key::follow}};
+      {GLFW_KEY_F1, Key::help},     {GLFW_KEY_M, Key::map},          {GLFW_KEY_F, Key::follow},
+      {GLFW_KEY_V, Key::pictures}};
   for (const auto& [number, key] : kKeys)
     if (number == glfw_key) return key;
   return std::nullopt;

@@ -6,7 +6,7 @@
 
 namespace rotunda::playback {
 
-enum class Key { left, right, up, down, space, plus, minus, next, previous, home, grey, map, follow, help, quit };
+enum class Key { left, right, up, down, space, plus, minus, next, previous, home, grey, map, follow, pictures, help, quit };
 
 enum class Button { a, b, x, y, start, back };
 

@@ -18,4 +18,11 @@ std::span<const SourceView> TakePictures::of(std::size_t frame) {
   return views_;
 }
 
+std::size_t TakePictures::bytes_a_frame() const {
+  std::size_t pixels = 0;
+  for (const auto& camera : studio_.views.cameras)
+    pixels += static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
+  return sizeof(cv::Vec4b) * pixels;
+}
+
 }  // namespace rotunda::playback

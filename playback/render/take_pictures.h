@@ -19,6 +19,7 @@ class TakePictures {
   TakePictures(const std::filesystem::path& take, const std::optional<std::filesystem::path>& calibration);
   // Of a frame by its number in the take; empty if not a single picture shows anybody. Lent until the next call.
   std::span<const SourceView> of(std::size_t frame);
+  std::size_t bytes_a_frame() const;  // of all views, at most
 
  private:
   capture::TakeReader take_;

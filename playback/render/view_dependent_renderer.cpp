@@ -83,6 +83,36 @@ GlTexture picture_texture(const cv::Mat& rgba) {
   return texture;
 }
 
+// Where the box is in the picture, pixels; the whole picture where a lens or an eye within it leaves that open.
+cv::Rect place_in_picture(const Eigen::AlignedBox3d& box, const Viewpoint& viewpoint) {
+  const cv::Rect whole(0, 0, viewpoint.width, viewpoint.height);
+  if (!viewpoint.distortion.isZero()) return whole;
+  Eigen::AlignedBox2d place;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Eigen::Vector3d seen =
+        viewpoint.R * box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner)) + viewpoint.t;
+    if (seen.z() < 1e-3) return whole;
+    place.extend((viewpoint.K * (seen / seen.z())).head<2>());
+  }
+  constexpr double kFarOff = 1e6;  // pixels: what lies beyond is outside of any picture
+  const Eigen::Vector2d from = place.min().array().max(-kFarOff).min(kFarOff).floor(),
+                        to = place.max().array().max(-kFarOff).min(kFarOff).ceil() + 1.0;
+  return whole & cv::Rect(cv::Point(static_cast<int>(from.x()), static_cast<int>(from.y())),
+                          cv::Point(static_cast<int>(to.x()), static_cast<int>(to.y())));
+}
+
+// Drawing and emptying reaches this part of pictures alone; GL counts rows from the bottom.
+class Scissors {
+ public:
+  Scissors(const cv::Rect& place, int height) {
+    glEnable(GL_SCISSOR_TEST);
+    glScissor(place.x, height - place.y - place.height, place.width, place.height);
+  }
+  ~Scissors() { glDisable(GL_SCISSOR_TEST); }
+  Scissors(const Scissors&) = delete;
+  Scissors& operator=(const Scissors&) = delete;
+};
+
 // The caller's framebuffer and viewport, put back when done.
 class BoundTarget {
  public:
@@ -230,6 +260,7 @@ void ViewDependentRenderer::draw(const Viewpoint& viewpoint) {
   if (sources_.empty()) return;
   const BoundTarget target;
   resize(viewpoint.width, viewpoint.height);
+  const Scissors scissors(place_in_picture(box_, viewpoint), viewpoint.height);
   draw_surface(places_, viewpoint, place_, 0.0F);
   draw_surface(normals_, viewpoint, normal_, 0.0F);
   draw_surface(colours_, viewpoint, colour_, 0.0F);

@@ -85,6 +85,10 @@ class GeometryVideoWriter {
 // The whole in one call, every frame mapped, without a mean.
 void write_geometry_video(const std::filesystem::path& file, std::span<const GeometryImage> images, double fps = 25.0);
 
+// image + share (other - image): what lies between two frames whose samples correspond, of one size, in what they hold
+// (both read alike). Covered is what both cover.
+void blend(GeometryImage& image, const GeometryImage& other, float share);
+
 struct FrameReadOptions {
   int level = 0;          // of detail: every 2^k-th sample, a closed surface of its own; 0: the video's
   bool in_place = false;  // without the root's translation

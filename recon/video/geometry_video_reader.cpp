@@ -75,18 +75,6 @@ PositionCoding read_coding(const MediaReader& media, const GeometryVideoHeader& 
   }
 }
 
-// a + share (b - a)
-void blend(GeometryImage& a, const GeometryImage& b, float share) {
-  for (std::size_t i = 0; i < a.positions.size(); ++i) a.positions[i] += share * (b.positions[i] - a.positions[i]);
-  a.normals = lattice_normals(a.positions, a.level);
-  for (std::size_t i = 0; i < a.colours.size(); ++i) {
-    for (std::size_t c = 0; c < 3; ++c)
-      a.colours[i][c] = static_cast<std::uint8_t>(std::lround((1.0F - share) * static_cast<float>(a.colours[i][c]) +
-                                                              share * static_cast<float>(b.colours[i][c])));
-    a.coverage[i] = std::min(a.coverage[i], b.coverage[i]);
-  }
-}
-
 }  // namespace
 
 struct GeometryVideoReader::State {
@@ -155,6 +143,18 @@ GeometryImage GeometryVideoReader::read(int frame, const FrameReadOptions& optio
 }
 GeometryImage GeometryVideoReader::read_in_place(int frame, int level) {
   return state_->read(frame, {.level = level, .in_place = true});
+}
+
+void blend(GeometryImage& image, const GeometryImage& other, float share) {
+  for (std::size_t i = 0; i < image.positions.size(); ++i)
+    image.positions[i] += share * (other.positions[i] - image.positions[i]);
+  if (!image.normals.empty()) image.normals = lattice_normals(image.positions, image.level);
+  for (std::size_t i = 0; i < image.colours.size(); ++i)
+    for (std::size_t c = 0; c < 3; ++c)
+      image.colours[i][c] = static_cast<std::uint8_t>((1.0F - share) * static_cast<float>(image.colours[i][c]) +
+                                                      share * static_cast<float>(other.colours[i][c]) + 0.5F);
+  for (std::size_t i = 0; i < image.coverage.size(); ++i)
+    image.coverage[i] = std::min(image.coverage[i], other.coverage[i]);
 }
 
 GeometryImage GeometryVideoReader::read_between(double at, int level) {

@@ -44,7 +44,9 @@ int play_character(const CommandLine& line, const fs::path& character, const pla
   return kDone;
 }
 
-int play(const CommandLine& line, const std::string& clip, playback::PlayOptions options, std::stop_token stop) {
+int play(const CommandLine& line, const std::string& clip, playback::PlayOptions options,
+         const ViewDependent& view_dependent, std::stop_token stop) {
+  options.pictures = chosen_pictures(line, clip, view_dependent);
   if (recon::is_character(clip)) {
     options.stop = std::move(stop);
     return play_character(line, clip, options);
@@ -127,6 +129,7 @@ void add_play(CommandLine& line) {
   auto clip = std::make_shared<std::string>();
   auto options = std::make_shared<playback::PlayOptions>();
   auto live = std::make_shared<LiveViewRequest>();
+  auto view_dependent = std::make_shared<ViewDependent>();
   auto* app = line.app.add_subcommand(
       "play", "plays a take's geometry video or the rig live, or steers a character, in a window");
   auto* what = app->add_option_group("what");
@@ -135,6 +138,7 @@ void add_play(CommandLine& line) {
   auto is_live = std::make_shared<bool>(false);
   auto* live_flag = what->add_flag("--live", *is_live, "the surfaces that the daemon makes while cameras run");
   app->add_flag("--fullscreen", options->fullscreen, "fill the screen");
+  add_view_dependent(*app, *view_dependent);
   app->add_option("--level", options->level, "of detail, (2^level + 1)^2 vertices; else as fine as the geometry video")
       ->check(CLI::Range(1, 12));
   auto* picture =
@@ -146,11 +150,11 @@ void add_play(CommandLine& line) {
       ->check(CLI::PositiveNumber);
   app->footer(
       "A take that is not reconstructed yet is shown at live quality, as the daemon made it after the take.\n"
-      "Keys: space pauses, arrows and mouse go round, + - zoom, . , step, g grey, q ends.\n"
+      "Keys: space freezes, arrows and mouse go round, + - zoom, . , step, q ends; F1 tells all.\n"
       "Of a character: 1 to 9 states and actions, arrows turn it and its speed, F1 tells all.\n"
-      "Examples:\n  rotunda play demo\n  rotunda play --live");
-  app->callback([&line, clip, options, live, is_live] {
-    line.run = [&line, clip, options, live, is_live](std::stop_token stop) {
+      "Examples:\n  rotunda play demo\n  rotunda play demo --view-dependent\n  rotunda play --live");
+  app->callback([&line, clip, options, live, is_live, view_dependent] {
+    line.run = [&line, clip, options, live, is_live, view_dependent](std::stop_token stop) {
       live->fullscreen = options->fullscreen;
       live->json = line.json;
       if (!*is_live) {
@@ -159,7 +163,7 @@ void add_play(CommandLine& line) {
         if (!live->picture.empty())
           throw InvalidInput(*clip + " is reconstructed; for a picture of it: rotunda render " + *clip +
                              " -o view.png");
-        return play(line, *clip, *options, std::move(stop));
+        return play(line, *clip, *options, *view_dependent, std::move(stop));
       }
       live->socket = daemon_socket(line.daemon);
       return show_live(*live, std::move(stop));

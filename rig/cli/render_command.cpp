@@ -34,8 +34,8 @@ struct RenderArguments {
   std::string clip, view, frames;
   std::vector<int> size;        // width, height
   std::vector<int> background;  // red, green, blue
-  bool orbit = false, view_dependent = false;
-  std::optional<fs::path> calibration;
+  bool orbit = false;
+  ViewDependent view_dependent;
   std::optional<std::size_t> frame;
   double turns = 1.0;
   int moments = 10;
@@ -83,13 +83,8 @@ int tell(const CommandLine& line, const recon::StageClock& clock, const fs::path
 
 std::unique_ptr<playback::FramePainter> painter_for(const CommandLine& line, const RenderArguments& arguments,
                                                     recon::GeometryVideoReader& video) {
-  if (!arguments.view_dependent) return playback::stored_painter(video);
-  if (fs::is_regular_file(arguments.clip))
-    throw InvalidInput(arguments.clip +
-                       " is a geometry video alone; --view-dependent draws with the pictures of its "
-                       "take: name the take instead");
-  return playback::view_dependent_painter(
-      video, std::make_shared<playback::TakePictures>(find_take(line, arguments.clip), arguments.calibration));
+  auto pictures = chosen_pictures(line, arguments.clip, arguments.view_dependent);
+  return pictures ? playback::view_dependent_painter(video, std::move(pictures)) : playback::stored_painter(video);
 }
 
 int render_orbit(const CommandLine& line, const RenderArguments& arguments, recon::GeometryVideoReader& video,
@@ -231,8 +226,6 @@ int render(const CommandLine& line, RenderArguments arguments, std::stop_token s
         fmt::format("{} is no character: scripts are for folders that rotunda character build made", arguments.clip));
   if (arguments.orbit && (!arguments.view.empty() || arguments.frame))
     throw InvalidInput("--orbit goes round by itself; leave --view and --frame out");
-  if (arguments.calibration && !arguments.view_dependent)
-    throw InvalidInput("--calibration says where the take's cameras stand; it goes with --view-dependent");
   recon::GeometryVideoReader video(find_video(line, arguments.clip));
   if (arguments.output.empty()) arguments.output = arguments.orbit ? "orbit.mp4" : "view.png";
   const playback::HeadlessDisplay display;
@@ -258,10 +251,7 @@ void add_render_command(CommandLine& line) {
       ->delimiter('x')
       ->expected(2)
       ->check(CLI::Range(16, 16384));
-  app->add_flag("--view-dependent", arguments->view_dependent,
-                "of a take: in the colours of its own pictures, mixed anew for every viewpoint");
-  app->add_option("--calibration", arguments->calibration,
-                  "of --view-dependent: what the take was reconstructed with, if not its own");
+  add_view_dependent(*app, arguments->view_dependent);
   app->add_option("--background", arguments->background, "R,G,B; else PNG pictures have straight alpha")
       ->delimiter(',')
       ->expected(3)
