@@ -163,11 +163,11 @@ Eigen::Vector2d CharacterDesk::take_shift() {
   return std::exchange(shift_, Eigen::Vector2d::Zero());
 }
 
-std::vector<std::string> CharacterDesk::lines(const CharacterPlayer& player, double pictures_a_second) const {
+std::vector<std::string> CharacterDesk::lines(const CharacterPlayer& player, const std::string& rate) const {
   std::string first = player.doing();
   if (player.doing() != player.wanted()) first += " > " + player.wanted();
   if (frozen_) first += back_ > 0 ? fmt::format("   frozen, {} back", back_) : "   frozen";
-  std::vector<std::string> lines{fmt::format("{}   {:.0f} pictures/s", first, pictures_a_second)};
+  std::vector<std::string> lines{first + "   " + rate};
   if (!help_) return lines;
   for (std::size_t i = 0; i < choices_.size() && i < 9; ++i) lines.push_back(fmt::format("{}  {}", i + 1, choices_[i]));
   for (const char* line :

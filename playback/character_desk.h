@@ -36,7 +36,7 @@ class CharacterDesk {
   bool shows_map() const { return map_; }
   const DrawOptions& draw() const { return draw_; }
   // State, rate of pictures and, if asked for, the keys.
-  std::vector<std::string> lines(const CharacterPlayer& player, double pictures_a_second) const;
+  std::vector<std::string> lines(const CharacterPlayer& player, const std::string& rate) const;
 
  private:
   void press(Key key, CharacterPlayer& player, Orbit& orbit);

@@ -1,5 +1,6 @@
 #include "playback/character_view.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace rotunda::playback {
@@ -42,7 +43,7 @@ void CharacterView::draw(const Appearance& appearance, int width, int height, co
     stage_.draw(viewpoint, {.place = appearance.place, .background = options.background}, [&](const Viewpoint& above) {
       renderer_.draw(appearance, above, {.shading = Shading::colour, .cull = false}, kShadowLevel);
     });
-  renderer_.draw(appearance, viewpoint, options.draw);
+  renderer_.draw(appearance, viewpoint, options.draw, std::max(1, renderer_.level() - options.coarser));
 }
 
 }  // namespace rotunda::playback

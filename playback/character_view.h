@@ -15,6 +15,7 @@ struct CharacterViewOptions {
   std::optional<recon::Colour> background;  // not given: alpha 0 where nothing is
   bool floor = true;
   DrawOptions draw;
+  int coarser = 0;  // levels of detail below the clips' own
 };
 
 class CharacterView {

@@ -2,33 +2,27 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
-#include <cmath>
-#include <thread>
 
 #include "playback/character_desk.h"
 #include "playback/character_view.h"
 #include "playback/clip_loader.h"
 #include "playback/display/window.h"
 #include "playback/graph_map.h"
+#include "playback/picture_clock.h"
 #include "playback/render/overlay.h"
 
 namespace rotunda::playback {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 constexpr recon::Colour kBackground{24, 26, 30};
-constexpr auto kPicturePeriod = std::chrono::microseconds(16'667);
-double seconds_since(Clock::time_point from) {
-  return std::chrono::duration<double>(Clock::now() - from).count();
-}
 
 }  // namespace
 
 CharacterPlayReport play_character(const std::filesystem::path& character, const recon::MotionGraph& graph,
                                    const PlayOptions& options) {
-  const auto called = Clock::now();
+  const auto called = std::chrono::steady_clock::now();
   Window window(
       {.title = "rotunda", .width = options.width, .height = options.height, .fullscreen = options.fullscreen});
   CharacterView view(character, graph);
@@ -41,16 +35,12 @@ CharacterPlayReport play_character(const std::filesystem::path& character, const
   front.azimuth = -0.6;
   view.orbit() = front;
   CharacterDesk desk(graph, front);
-  CharacterPlayReport report{.load_seconds = seconds_since(called)};
-  const auto begin = Clock::now();
-  auto last = begin;
-  double period = 1.0 / 60.0;
+  CharacterPlayReport report{.load_seconds =
+                                 std::chrono::duration<double>(std::chrono::steady_clock::now() - called).count()};
+  PictureClock clock;
   while (window.is_open() && !desk.ended() && !options.stop.stop_requested() &&
          (options.picture_limit == 0 || report.pictures < options.picture_limit)) {
-    const auto now = Clock::now();
-    const double passed = std::chrono::duration<double>(now - last).count();
-    last = now;
-    period += 0.1 * (passed - period);
+    const double passed = clock.begin();
     for (const auto& loaded : loader.take()) view.renderer().adopt(loaded.clip, loaded.frame, loaded.image);
     const auto& seen = desk.go_on(player, std::min(passed, 0.1));
     if (desk.follows()) view.follow(seen, report.pictures == 0 ? 1e9 : passed);
@@ -60,8 +50,8 @@ CharacterPlayReport play_character(const std::filesystem::path& character, const
     }
     if (window.width() > 0 && window.height() > 0) {
       window.bind();
-      view.draw(seen, window.width(), window.height(), {kBackground, true, desk.draw()});
-      overlay.draw(text_card(desk.lines(player, 1.0 / period)), 12, 12, window.width(), window.height());
+      view.draw(seen, window.width(), window.height(), {kBackground, true, desk.draw(), clock.coarser()});
+      overlay.draw(text_card(desk.lines(player, clock.told())), 12, 12, window.width(), window.height());
       if (desk.shows_map()) overlay.draw(map, window.width() - map.cols - 12, 12, window.width(), window.height());
     }
     window.present();
@@ -69,9 +59,9 @@ CharacterPlayReport play_character(const std::filesystem::path& character, const
     desk.apply(window.take_input(), player, view.orbit(), passed);
     view.shift(desk.take_shift());
     if (desk.take_home()) view.centre();
-    std::this_thread::sleep_until(now + kPicturePeriod);
+    clock.end();
   }
-  report.seconds = seconds_since(begin);
+  report.seconds = clock.seconds();
   return report;
 }
 

@@ -1,26 +1,18 @@
 #include "playback/player.h"
 
-#include <chrono>
+#include <algorithm>
 #include <optional>
-#include <thread>
 
 #include "playback/display/window.h"
 #include "playback/frame_fetcher.h"
 #include "playback/performer_place.h"
+#include "playback/picture_clock.h"
 #include "playback/render/overlay.h"
 #include "playback/take_desk.h"
 #include "playback/take_view.h"
 
 namespace rotunda::playback {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-constexpr auto kPicturePeriod = std::chrono::microseconds(16'667);  // where the display does not hold us to its own
-
-double seconds_between(Clock::time_point from, Clock::time_point to) {
-  return std::chrono::duration<double>(to - from).count();
-}
 
 // Brings frames onto the view as they are made.
 class Projector {
@@ -88,15 +80,10 @@ PlayReport play(recon::GeometryVideoReader& video, const PlayOptions& options) {
                  .has_pictures = options.pictures != nullptr},
                 orbit_around(header.box));
   PlayReport report;
-  const auto begin = Clock::now();
-  auto last = begin;
-  double period = seconds_between(begin, begin + kPicturePeriod);
+  PictureClock clock;
   while (window.is_open() && !desk.ended() && !options.stop.stop_requested() &&
          (options.picture_limit == 0 || report.pictures < options.picture_limit)) {
-    const auto now = Clock::now();
-    const double passed = seconds_between(last, now);
-    last = now;
-    period += 0.1 * (passed - period);
+    const double passed = clock.begin();
     desk.go_on(passed);
     if (!projector.show(desk.at(), desk.shows_pictures())) {
       if (desk.shows_pictures()) desk.wait();
@@ -106,16 +93,17 @@ PlayReport play(recon::GeometryVideoReader& video, const PlayOptions& options) {
       const auto performer = performer_place(performer_path(header), all, projector.frame());
       desk.look_at(performer);
       window.bind();
-      projector.view().draw(desk.orbit().viewpoint(window.width(), window.height()), performer, desk.draw());
-      overlay.draw(text_card(desk.lines(1.0 / period)), 12, 12, window.width(), window.height());
+      projector.view().draw(desk.orbit().viewpoint(window.width(), window.height()), performer, desk.draw(),
+                            clock.coarser());
+      overlay.draw(text_card(desk.lines(clock.told())), 12, 12, window.width(), window.height());
     }
     window.present();
     ++report.pictures;
     desk.apply(window.take_input(), passed);
-    std::this_thread::sleep_until(now + kPicturePeriod);
+    clock.end(!desk.shows_pictures());
   }
   report.frames = projector.frames_shown();
-  report.seconds = seconds_between(begin, Clock::now());
+  report.seconds = clock.seconds();
   return report;
 }
 

@@ -111,14 +111,14 @@ void TakeDesk::look_at(const Eigen::Vector3d& performer) {
   if (follows_) orbit_.target = performer_ + beside_;
 }
 
-std::vector<std::string> TakeDesk::lines(double pictures_a_second) const {
+std::vector<std::string> TakeDesk::lines(const std::string& rate) const {
   const int frame = static_cast<int>(at_);
   std::string first = fmt::format("frame {}   {:.2f} of {:.2f} s", take_.first_frame + frame, at_ / take_.fps,
                                   take_.frames / take_.fps);
   if (pictures_) first += "   cameras' colours";
   if (frozen_) first += "   frozen";
   if (slow_ && !frozen_) first += "   slow";
-  std::vector<std::string> lines{fmt::format("{}   {:.0f} pictures/s", first, pictures_a_second)};
+  std::vector<std::string> lines{first + "   " + rate};
   if (!help_) return lines;
   for (const char* line :
        {"space  freeze, then  , .  step back and on    ,  slow motion", "1 to 9  go to so many tenths",

@@ -40,7 +40,7 @@ class TakeDesk {
   bool shows_pictures() const { return pictures_; }
   bool ended() const { return ended_; }
   // Frame, rate of pictures and, if asked for, the keys.
-  std::vector<std::string> lines(double pictures_a_second) const;
+  std::vector<std::string> lines(const std::string& rate) const;
 
  private:
   void press(Key key);

@@ -24,22 +24,24 @@ bool stands_on_floor(const recon::GeometryImage& image) {
 void TakeView::show(const recon::GeometryImage& image, std::span<const SourceView> views) {
   if (!has_floor_) has_floor_ = stands_on_floor(image);
   stored_.upload(image);
+  level_ = image.level;
   in_pictures_ = !views.empty();
   if (!in_pictures_) return;
   if (!from_pictures_) from_pictures_.emplace();
   from_pictures_->upload(recon::remesh(image), views);
 }
 
-void TakeView::draw(const Viewpoint& viewpoint, const Eigen::Vector3d& performer, const DrawOptions& options) {
+void TakeView::draw(const Viewpoint& viewpoint, const Eigen::Vector3d& performer, const DrawOptions& options,
+                    int coarser) {
   clear(kBackground);
   if (has_floor_.value_or(false))
     stage_.draw(viewpoint, {.place = performer.head<2>(), .background = kBackground}, [&](const Viewpoint& above) {
-      stored_.draw(above, {.shading = Shading::colour, .cull = false}, kShadowLevel);
+      stored_.draw(above, {.shading = Shading::colour, .cull = false}, std::min(kShadowLevel, level_));
     });
   if (in_pictures_ && options.shading == Shading::colour)
     from_pictures_->draw(viewpoint);
   else
-    stored_.draw(viewpoint, options);
+    stored_.draw(viewpoint, options, std::max(1, level_ - coarser));
 }
 
 }  // namespace rotunda::playback

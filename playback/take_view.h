@@ -14,14 +14,16 @@ class TakeView {
  public:
   // What is drawn from now on; with views, in their colours (view_dependent_renderer.h).
   void show(const recon::GeometryImage& image, std::span<const SourceView> views = {});
-  // Into the bound framebuffer. `performer`: over which point of the floor they are.
-  void draw(const Viewpoint& viewpoint, const Eigen::Vector3d& performer, const DrawOptions& options);
+  // Into the bound framebuffer. `performer`: over which point of the floor they are. `coarser`: levels of detail below
+  // the frame's own, of stored colours.
+  void draw(const Viewpoint& viewpoint, const Eigen::Vector3d& performer, const DrawOptions& options, int coarser = 0);
 
  private:
   GeometryImageRenderer stored_;
   std::optional<ViewDependentRenderer> from_pictures_;  // made when first needed: not every driver can
   Stage stage_;
   std::optional<bool> has_floor_;  // told by the first frame
+  int level_ = 0;                  // of the frame
   bool in_pictures_ = false;
 };
 

@@ -76,6 +76,10 @@ CharacterRenderer::CharacterRenderer(const std::filesystem::path& character, con
 
 CharacterRenderer::~CharacterRenderer() = default;
 
+int CharacterRenderer::level() const {
+  return clips_.front()->video.header().level;
+}
+
 RootPaths CharacterRenderer::roots() const {
   RootPaths roots;
   for (const auto& clip : clips_) {
@@ -181,7 +185,7 @@ void CharacterRenderer::bind(const GlProgram& program, const std::vector<DrawnLa
 void CharacterRenderer::draw(const Appearance& appearance, const Viewpoint& viewpoint, const DrawOptions& options,
                              int level) {
   const auto layers = drawn_layers(appearance);
-  const int finest = clips_.front()->video.header().level, drawn = level > 0 ? std::min(level, finest) : finest;
+  const int drawn = level > 0 ? std::min(level, this->level()) : this->level();
   auto& program = programs_[layers.size() - 1];
   if (!program) program.emplace(vertex_body(layers.size()), fragment_body(layers.size()));
   Eigen::AlignedBox3d around = box();

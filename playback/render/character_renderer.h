@@ -27,6 +27,7 @@ class CharacterRenderer {
   CharacterRenderer(const std::filesystem::path& character, const recon::MotionGraph& graph);
   ~CharacterRenderer();
 
+  int level() const;  // of detail, of all clips
   RootPaths roots() const;
   Eigen::AlignedBox3d box() const;  // of all clips about their roots: z is the height over the floor
   void load(std::size_t clip, int frame);

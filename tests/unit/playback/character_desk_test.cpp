@@ -49,7 +49,7 @@ TEST_F(Desk, StepsBackThroughWhatWasSeenAndOn) {
   press(Key::previous);
   press(Key::previous);
   EXPECT_NEAR(desk_.go_on(player_, kFrame).place.x(), now - 2.0 * tests::kBallSpeed * kFrame, 1e-9);
-  EXPECT_THAT(desk_.lines(player_, 60.0), Contains(HasSubstr("2 back")));
+  EXPECT_THAT(desk_.lines(player_, "60 pictures/s"), Contains(HasSubstr("2 back")));
   for (int i = 0; i < 3; ++i) press(Key::next);
   EXPECT_NEAR(desk_.go_on(player_, kFrame).place.x(), now + tests::kBallSpeed * kFrame, 1e-9);
   for (int i = 0; i < 2000; ++i) press(Key::previous);
@@ -83,9 +83,9 @@ TEST_F(Desk, GoesWhereTheStickPointsSeenFromTheEye) {
 }
 
 TEST_F(Desk, ShowsItsKeysWhenAsked) {
-  EXPECT_EQ(desk_.lines(player_, 60.0).size(), 1U);
+  EXPECT_EQ(desk_.lines(player_, "60 pictures/s").size(), 1U);
   press(Key::help);
-  EXPECT_THAT(desk_.lines(player_, 60.0), Contains("3  hop"));
+  EXPECT_THAT(desk_.lines(player_, "60 pictures/s"), Contains("3  hop"));
   EXPECT_TRUE(desk_.shows_map());
   press(Key::map);
   EXPECT_FALSE(desk_.shows_map());

@@ -36,7 +36,7 @@ TEST_F(ADeskOfATake, FreezesAndStepsByWholeFramesOverTheEnds) {
   EXPECT_EQ(desk_.at(), 49.0);
   press(Key::next);
   EXPECT_EQ(desk_.at(), 0.0);
-  EXPECT_THAT(desk_.lines(60.0), Contains(AllOf(HasSubstr("frame 10"), HasSubstr("frozen"))));
+  EXPECT_THAT(desk_.lines("60 pictures/s"), Contains(AllOf(HasSubstr("frame 10"), HasSubstr("frozen"))));
 }
 
 TEST_F(ADeskOfATake, GoesToTenthsAndWindsWithTheStick) {
@@ -80,11 +80,11 @@ TEST_F(ADeskOfATake, ShowsTheCamerasPicturesWhereThereAreAny) {
   press(Key::pictures);
   EXPECT_FALSE(desk_.shows_pictures());
   press(Key::help);
-  EXPECT_THAT(desk_.lines(60.0), Contains(HasSubstr("v  colours")));
+  EXPECT_THAT(desk_.lines("60 pictures/s"), Contains(HasSubstr("v  colours")));
   TakeDesk without({.frames = 50}, Orbit{});
   without.apply({.keys = {Key::pictures, Key::help}}, 0.0);
   EXPECT_FALSE(without.shows_pictures());
-  EXPECT_THAT(without.lines(60.0), Not(Contains(HasSubstr("v  colours"))));
+  EXPECT_THAT(without.lines("60 pictures/s"), Not(Contains(HasSubstr("v  colours"))));
 }
 
 TEST_F(ADeskOfATake, TurnsZoomsAndEnds) {
