@@ -6,6 +6,7 @@
 // growth exponent of the time over the number of triangles comes last.
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <Eigen/Dense>
 #include <algorithm>
 #include <chrono>
@@ -18,6 +19,7 @@
 #include <string>
 #include <vector>
 
+#include "config/exit_code.h"
 #include "recon/mesh/mesh_file.h"
 #include "recon/sphere/progressive_mesh.h"
 #include "recon/sphere/resample.h"
@@ -36,7 +38,7 @@ struct Ball {
   double radius;
 };
 
-std::vector<Ball> read_balls(const char* file) {
+std::vector<Ball> read_balls(const std::string& file) {
   std::vector<Ball> balls;
   std::ifstream stream(file);
   for (Ball ball; stream >> ball.centre[0] >> ball.centre[1] >> ball.centre[2] >> ball.radius;) balls.push_back(ball);
@@ -154,14 +156,14 @@ void print_errors(const TriangleMesh& mesh, const TriangleMesh& rebuilt, const s
              recon::topology_of(rebuilt).is_sphere() ? "yes" : "NO");
 }
 
-// Prints a mesh's block; the cost of the whole way, zero without a map.
-Cost measure(const char* file, const std::vector<Ball>& near) {
+// Prints a mesh's block. How many triangles it has and the cost of the whole way, zero without a map.
+std::pair<std::size_t, Cost> measure(const std::string& file, const std::vector<Ball>& near) {
   const auto mesh = recon::read_ply(file);
   const auto [map, report] = recon::map_to_sphere(mesh);
   fmt::print("{}: {} triangles\n", file, mesh.triangles.size());
   if (!map) {
     fmt::print("  no map: {}\n", report.failure);
-    return {};
+    return {mesh.triangles.size(), {}};
   }
   const auto simplifying = median_cost([&] { recon::simplify_to_tetrahedron(mesh); });
   recon::SphereMapOptions unrelaxed;
@@ -179,7 +181,7 @@ Cost measure(const char* file, const std::vector<Ball>& near) {
   fmt::print("  area/vertex min {:.3f} p5 {:.3f} p50 {:.3f} p95 {:.3f}, p95/p5 {:.2f}\n", report.spread.min,
              report.spread.p5, report.spread.p50, report.spread.p95, report.spread.p95 / report.spread.p5);
   print_errors(mesh, recon::remesh(recon::resample(mesh, *map, 8)), near);
-  return all;
+  return {mesh.triangles.size(), all};
 }
 
 // Slope of log(seconds) over log(triangles), by least squares.
@@ -196,16 +198,23 @@ double growth(const std::vector<std::pair<double, double>>& size_and_time) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::vector<Ball> near;
-  std::vector<std::pair<double, double>> size_and_time;
-  for (int i = 1; i < argc; ++i) {
-    if (std::string(argv[i]) == "--near" && i + 1 < argc) {
-      near = read_balls(argv[++i]);
-      continue;
+  std::vector<std::string> meshes;
+  std::string near_file;
+  CLI::App app("From a mesh to its geometry image: cost and error", "sphere_bench");
+  app.add_option("meshes", meshes, "bodies (PLY)")->required()->check(CLI::ExistingFile);
+  app.add_option("--near", near_file, "places to report apart: a line each, x y z radius, metres")
+      ->check(CLI::ExistingFile);
+  CLI11_PARSE(app, argc, argv);
+  try {
+    const auto near = near_file.empty() ? std::vector<Ball>{} : read_balls(near_file);
+    std::vector<std::pair<double, double>> size_and_time;
+    for (const auto& file : meshes) {
+      const auto [triangles, cost] = measure(file, near);
+      if (cost.cpu > 0.0) size_and_time.emplace_back(static_cast<double>(triangles), cost.cpu);
     }
-    const auto cost = measure(argv[i], near);
-    if (cost.cpu > 0.0)
-      size_and_time.emplace_back(static_cast<double>(recon::read_ply(argv[i]).triangles.size()), cost.cpu);
+    if (size_and_time.size() > 2) fmt::print("growth: CPU time ~ triangles ^ {:.2f}\n", growth(size_and_time));
+    return kDone;
+  } catch (...) {
+    return report_current_exception("sphere_bench");
   }
-  if (size_and_time.size() > 2) fmt::print("growth: CPU time ~ triangles ^ {:.2f}\n", growth(size_and_time));
 }
