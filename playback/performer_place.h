@@ -22,7 +22,7 @@ struct PerformerPath {
 };
 PerformerPath performer_path(const recon::GeometryVideoHeader& header);
 
-// `frame` lies within `range`, which is not empty and within the path.
-Eigen::Vector3d performer_place(const PerformerPath& path, const FrameRange& range, int frame);
+// `at` counts frames, may be a fraction and lies within `range`, which is not empty and within the path.
+Eigen::Vector3d performer_place(const PerformerPath& path, const FrameRange& range, double at);
 
 }  // namespace rotunda::playback

@@ -25,7 +25,7 @@ class Projector {
   }
 
   TakeView& view() { return view_; }
-  int frame() const { return static_cast<int>(shown_); }
+  double shown() const { return shown_; }  // frames from 0; between them a fraction
   long frames_shown() const { return frames_shown_; }
 
   // False if it is not made yet: then the view stays as it was.
@@ -40,7 +40,7 @@ class Projector {
       view_.show(*image, *views);
     else
       show_between(*image, frame, place - frame);
-    frames_shown_ += frame != this->frame();
+    frames_shown_ += frame != static_cast<int>(shown_);
     shown_ = place;
     in_pictures_ = in_pictures;
     return true;
@@ -90,7 +90,7 @@ PlayReport play(recon::GeometryVideoReader& video, const PlayOptions& options) {
       ++report.late;
     }
     if (window.width() > 0 && window.height() > 0) {
-      const auto performer = performer_place(performer_path(header), all, projector.frame());
+      const auto performer = performer_place(performer_path(header), all, projector.shown());
       desk.look_at(performer);
       window.bind();
       projector.view().draw(desk.orbit().viewpoint(window.width(), window.height()), performer, desk.draw(),
