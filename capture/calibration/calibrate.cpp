@@ -215,6 +215,10 @@ void Calibration::leave_out(const Knock& knock) {
   std::erase_if(sightings_, [&](const auto& sighting) {
     return sighting.camera == knock.camera && (sighting.moment < knock.first_after) == keep_later;
   });
+  // What fitted the two poses as one says nothing of the one that is kept.
+  std::erase_if(good_, [&](const auto& sighting) { return sighting.camera == knock.camera; });
+  const auto own = of_camera(sightings_, knock.camera);
+  good_.insert(good_.end(), own.begin(), own.end());
   for (std::size_t moment = 0; moment < result_.moments.size(); ++moment)
     if ((moment < knock.first_after) == keep_later) left_out_.insert({knock.camera, moment});
   if (keep_later) state_.cameras[knock.camera] = knock.after;
