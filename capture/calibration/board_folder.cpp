@@ -12,7 +12,9 @@
 #include <memory>
 #include <opencv2/imgcodecs.hpp>
 #include <set>
+#include <span>
 
+#include "capture/ycbcr_picture.h"
 #include "config/errors.h"
 
 namespace rotunda::capture {
@@ -64,16 +66,20 @@ struct ByNumber {
 
 using Files = std::map<std::string, std::map<std::string, fs::path, ByNumber>>;  // camera, moment
 
-Files list_files(const fs::path& folder) {
+Files list_files(const fs::path& folder, std::vector<std::string>& skipped) {
   std::error_code error;
   if (!fs::is_directory(folder, error))
     throw InvalidInput(folder.string() + " is no folder; expected DIR/<camera>/*.png or *.jpg");
   Files files;
-  for (const auto& camera : fs::directory_iterator(folder))
-    if (camera.is_directory())
-      for (const auto& entry : fs::directory_iterator(camera.path()))
-        if (entry.is_regular_file() && is_picture(entry.path()))
-          files[camera.path().filename().string()].insert_or_assign(entry.path().stem().string(), entry.path());
+  for (const auto& camera : fs::directory_iterator(folder)) {
+    if (!camera.is_directory()) continue;
+    const auto name = camera.path().filename().string();
+    for (const auto& entry : fs::directory_iterator(camera.path()))
+      if (entry.is_regular_file() && is_picture(entry.path()))
+        files[name].insert_or_assign(entry.path().stem().string(), entry.path());
+    if (!files.contains(name)) skipped.push_back(camera.path().string() + " holds no pictures: left out");
+  }
+  std::sort(skipped.begin(), skipped.end());
   if (files.empty()) throw InvalidInput(folder.string() + " holds no pictures; expected DIR/<camera>/*.png or *.jpg");
   return files;
 }
@@ -86,6 +92,18 @@ bool ends_early(const std::vector<char>& bytes, const fs::path& file) {
   }
   constexpr std::array kEnd = {'\xff', '\xd9'};
   return std::search(bytes.begin(), bytes.end(), kEnd.begin(), kEnd.end()) == bytes.end();
+}
+
+// OpenCV fills in what of a damaged JPEG it cannot read, and says so to nobody.
+void refuse_damaged_jpeg(std::span<const char> bytes, const cv::Mat& picture, const fs::path& file) {
+  constexpr std::array kEnd = {'\xff', '\xd9'};
+  const auto end = std::find_end(bytes.begin(), bytes.end(), kEnd.begin(), kEnd.end());  // some programs add to it
+  const std::vector<std::uint8_t> jpeg(bytes.begin(), end + kEnd.size());
+  try {
+    jpeg_to_rgb(make_image(picture.cols, picture.rows, PixelFormat::mjpeg, jpeg));
+  } catch (const CorruptData& error) {
+    throw CorruptData(file, 0, error.what());
+  }
 }
 
 using Pictures = std::vector<std::vector<cv::Mat>>;
@@ -128,13 +146,14 @@ cv::Mat read_board_picture(const fs::path& file) {
   }
   if (picture.empty()) throw CorruptData(file, 0, "is no picture");
   if (picture.depth() != CV_8U && picture.depth() != CV_16U) throw CorruptData(file, 0, "has neither 8 nor 16 bits");
+  if (lower_extension(file) != ".png") refuse_damaged_jpeg(bytes, picture, file);
   if (picture.channels() > 1) cv::extractChannel(picture, picture, 1);
   return picture;
 }
 
 BoardFolder read_board_folder(const fs::path& folder) {
-  const auto files = list_files(folder);
   BoardFolder result;
+  const auto files = list_files(folder, result.skipped);
   std::set<std::string, ByNumber> moments;
   for (const auto& [camera, by_moment] : files) {
     result.pictures.cameras.push_back(camera);

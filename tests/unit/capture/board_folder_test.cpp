@@ -57,9 +57,32 @@ TEST(BoardFolder, NamesWhatCannotBeRead) {
   EXPECT_THAT(read.skipped, Contains(AllOf(HasSubstr("cam00/b.png"), HasSubstr("empty"))));
   EXPECT_THAT(read.skipped, Contains(AllOf(HasSubstr("cam01/b.png"), HasSubstr("no picture"))));
   EXPECT_FALSE(read.pictures.grey(0, 0).empty());
+  fs::create_directories(folder / "cam02");
+  EXPECT_THAT(read_board_folder(folder).skipped, Contains(AllOf(HasSubstr("cam02"), HasSubstr("no pictures"))));
   EXPECT_THROW(read_board_folder(folder / "nothing"), InvalidInput);
   fs::create_directories(folder / "empty/cam00");
   EXPECT_THROW(read_board_folder(folder / "empty"), InvalidInput);
+}
+
+// OpenCV would fill such a picture's damaged part with grey; what a program adds behind a picture is no damage.
+TEST(BoardFolder, NamesADamagedJpegAndReadsOneWithMoreBehindIt) {
+  const auto folder = fresh_folder();
+  cv::Mat picture(240, 320, CV_8UC3);
+  cv::randu(picture, 0, 255);
+  std::vector<std::uint8_t> jpeg;
+  cv::imencode(".jpg", picture, jpeg);
+  const auto write = [&](const char* name) {
+    std::ofstream(folder / name, std::ios::binary)
+        .write(reinterpret_cast<const char*>(jpeg.data()), static_cast<std::streamsize>(jpeg.size()));
+  };
+  write("cam00/a.jpg");
+  jpeg.insert(jpeg.end(), {'m', 'o', 'r', 'e'});
+  write("cam00/b.jpg");
+  for (std::size_t i = 1000; i < jpeg.size() / 2; i += 37) jpeg[i] ^= 0x5aU;
+  write("cam01/a.jpg");
+  const auto read = read_board_folder(folder);
+  EXPECT_THAT(read.skipped, testing::ElementsAre(AllOf(HasSubstr("cam01/a.jpg"), HasSubstr("damaged JPEG"))));
+  EXPECT_FALSE(read.pictures.grey(0, 1).empty());
 }
 
 }  // namespace
