@@ -1,6 +1,7 @@
 #include "capture/calibration/board_refusal.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <opencv2/calib3d.hpp>
@@ -28,33 +29,44 @@ std::vector<std::size_t> some_of(std::size_t count) {
   return some;
 }
 
-std::vector<cv::Mat> some_pictures(const BoardPictures& pictures) {
+// Of all cameras from `first` on to `last`, which is not among them.
+std::vector<cv::Mat> some_pictures(const BoardPictures& pictures, std::size_t first, std::size_t last) {
   std::vector<cv::Mat> some;
-  for (const std::size_t i : some_of(pictures.cameras.size() * pictures.moments.size())) {
-    cv::Mat grey = pictures.grey(i / pictures.moments.size(), i % pictures.moments.size());
+  for (const std::size_t i : some_of((last - first) * pictures.moments.size())) {
+    cv::Mat grey = pictures.grey(first + i / pictures.moments.size(), i % pictures.moments.size());
     if (grey.type() == CV_16UC1) grey.convertTo(grey, CV_8U, 1.0 / 257.0);
     if (!grey.empty()) some.push_back(std::move(grey));
   }
   return some;
 }
 
-std::string other_markers(const std::vector<cv::Mat>& pictures, const std::string& expected) {
-  std::string best;
+// The dictionary these markers are of. A large one holds all markers of the smaller ones with as many bits, and by
+// chance some more: the smallest that explains nearly as many is meant, the expected one before all.
+std::string dictionary_of(const std::vector<cv::Mat>& pictures, const std::string& expected) {
+  constexpr double kNearlyAsMany = 0.75;
+  std::vector<std::pair<std::string, int>> counts;
   int most = 0;
   for (const auto& name : dictionary_names()) {
     int count = 0;
     for (const auto& picture : pictures) count += count_markers(picture, name);
-    if (count <= most || count < 4) continue;
-    most = count;
-    best = name;
+    most = std::max(most, count);
+    counts.insert(name == expected ? counts.begin() : counts.end(), {name, count});
   }
+  if (most < 4) return {};
+  return std::find_if(counts.begin(), counts.end(), [&](const auto& c) { return c.second >= kNearlyAsMany * most; })
+      ->first;
+}
+
+std::string other_markers(const std::vector<cv::Mat>& pictures, const std::string& expected) {
+  const auto best = dictionary_of(pictures, expected);
   if (best.empty()) return {};
   if (best == expected)
     return fmt::format(
         "there are markers of {}, but not where the board file says: squares, markers or first_marker "
         "are others",
         best);
-  return fmt::format("there are markers of {} instead of {}", best, expected);
+  return fmt::format("there are markers of {} instead of {}", best,
+                     expected.empty() ? "a plain chessboard: is it a ChArUco board?" : expected);
 }
 
 cv::Mat no_longer_than(int longest, const cv::Mat& picture) {
@@ -94,8 +106,7 @@ bool mirrored_markers(const std::vector<cv::Mat>& pictures, const std::string& d
 }
 
 // Markers of this or another dictionary, a chessboard of another size, mirrored markers: in words, none for none.
-std::string what_is_there_instead(const BoardPictures& pictures, std::span<const Board> boards) {
-  const auto some = some_pictures(pictures);
+std::string what_is_there_instead(const std::vector<cv::Mat>& some, std::span<const Board> boards) {
   if (some.empty()) return "there is no picture that can be read";
   for (const auto& board : boards) {
     if (board.type == BoardType::charuco && mirrored_markers(some, board.dictionary))
@@ -104,7 +115,9 @@ std::string what_is_there_instead(const BoardPictures& pictures, std::span<const
         board.type == BoardType::charuco ? other_markers(some, board.dictionary) : other_chessboard(some, board);
     if (!text.empty()) return text;
   }
-  return {};
+  // Not of its kind either.
+  if (boards.front().type == BoardType::charuco) return other_chessboard(some, boards.front());
+  return other_markers(some, "");
 }
 
 }  // namespace
@@ -123,7 +136,7 @@ void refuse_another_board(const BoardSearch& search, const BoardPictures& pictur
   std::vector<std::size_t> views(pictures.cameras.size(), 0);
   for (const auto& sighting : search.sightings) ++views[sighting.camera];
   if (!views.empty() && *std::max_element(views.begin(), views.end()) >= fewest_views(options)) return;
-  const auto instead = what_is_there_instead(pictures, options.boards);
+  const auto instead = what_is_there_instead(some_pictures(pictures, 0, pictures.cameras.size()), options.boards);
   if (!search.sightings.empty() && instead.empty()) return;
   throw InvalidInput(fmt::format("the board was found in {} of {} pictures: {}", search.sightings.size(),
                                  pictures.cameras.size() * pictures.moments.size(),
@@ -131,6 +144,23 @@ void refuse_another_board(const BoardSearch& search, const BoardPictures& pictur
                                      ? "neither markers nor a chessboard are to be recognised: bring the board nearer "
                                        "(its squares 15 pixels or more), hold it still, the whole of it in the picture"
                                      : instead));
+}
+
+void refuse_another_world(std::span<const std::string> cameras, const std::string& world_from) {
+  if (world_from.empty() || std::find(cameras.begin(), cameras.end(), world_from) != cameras.end()) return;
+  throw InvalidInput(fmt::format("the world cannot be taken from {}: there are {}", world_from,
+                                 fmt::join(cameras.begin(), cameras.end(), ", ")));
+}
+
+std::vector<std::string> why_unseen(const BoardSearch& search, const BoardPictures& pictures,
+                                    const CalibrateOptions& options) {
+  std::vector<std::size_t> views(pictures.cameras.size(), 0);
+  for (const auto& sighting : search.sightings) ++views[sighting.camera];
+  std::vector<std::string> reasons(views.size());
+  for (std::size_t i = 0; i < views.size(); ++i)
+    if (views[i] < fewest_views(options))
+      reasons[i] = what_is_there_instead(some_pictures(pictures, i, i + 1), options.boards);
+  return reasons;
 }
 
 }  // namespace rotunda::capture

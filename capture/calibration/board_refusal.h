@@ -11,4 +11,12 @@ void refuse_too_little(std::size_t cameras, std::size_t moments, const Calibrate
 // markers of a board that is not there are found by chance. Looks at a few pictures only.
 void refuse_another_board(const BoardSearch& search, const BoardPictures& pictures, const CalibrateOptions& options);
 
+// Throws InvalidInput where the world shall be that of a camera of which there are no pictures.
+void refuse_another_world(std::span<const std::string> cameras, const std::string& world_from);
+
+// Why a camera saw too few boards, for those that did and whose pictures tell: mirrored, another board. A text a
+// camera, empty where there is none.
+std::vector<std::string> why_unseen(const BoardSearch& search, const BoardPictures& pictures,
+                                    const CalibrateOptions& options);
+
 }  // namespace rotunda::capture

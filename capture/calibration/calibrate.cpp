@@ -38,7 +38,8 @@ class Calibration {
     result_.boards = boards_;
   }
 
-  void start(std::span<const CameraModel> sizes, std::vector<Sighting> sightings);
+  void start(std::span<const CameraModel> sizes, std::vector<Sighting> sightings,
+             std::span<const std::string> why_unseen = {});
   void place();
   void adjust_all(double outliers);
   void drop_before_knocks();
@@ -84,7 +85,8 @@ std::vector<Sighting> of_camera(std::span<const Sighting> sightings, std::size_t
   return own;
 }
 
-void Calibration::start(std::span<const CameraModel> sizes, std::vector<Sighting> sightings) {
+void Calibration::start(std::span<const CameraModel> sizes, std::vector<Sighting> sightings,
+                        std::span<const std::string> why_unseen) {
   sightings_ = std::move(sightings);
   std::vector<std::optional<CameraStart>> starts(sizes.size());
   std::vector<std::uint8_t> known(sizes.size(), 0);
@@ -103,10 +105,10 @@ void Calibration::start(std::span<const CameraModel> sizes, std::vector<Sighting
       from_file += known[i];
       continue;
     }
+    const bool told = i < why_unseen.size() && !why_unseen[i].empty();
     result_.problems.push_back(
-        fmt::format("{} saw the board {} times; it takes {}: it is left out. Show it the board at "
-                    "different places, tilted",
-                    sizes[i].name, views, kFewestViews));
+        fmt::format("{} saw the board {} times; it takes {}: it is left out{}", sizes[i].name, views, kFewestViews,
+                    told ? "; " + why_unseen[i] : std::string(". Show it the board at different places, tilted")));
   }
   if (kept.size() < 2)
     throw InvalidInput(fmt::format("only {} of {} cameras saw enough boards; a rig has two at least. {}", kept.size(),
@@ -293,12 +295,14 @@ CalibrationResult calibrate(const BoardPictures& pictures, const CalibrateOption
                             const std::stop_token& stop) {
   const BoardDetector detector(options.boards);
   refuse_too_little(pictures.cameras.size(), pictures.moments.size(), options);
+  refuse_another_world(pictures.cameras, options.world_from);
   auto search = search_boards(pictures, detector, options, stop);
   refuse_another_board(search, pictures, options);
   if (search.sightings.empty()) throw InvalidInput("no board was found in any picture");
   Calibration calibration(pictures.moments, options);
   for (auto& trouble : search.troubles) calibration.add_problem(std::move(trouble));
-  calibration.start(search.sizes, std::move(search.sightings));
+  const auto unseen = why_unseen(search, pictures, options);
+  calibration.start(search.sizes, std::move(search.sightings), unseen);
   calibration.place();
   calibration.adjust_all(kFirstOutlier);
   calibration.drop_before_knocks();

@@ -70,6 +70,9 @@ std::string times(int count) {
 std::string seen_where(const std::string& name, const CameraQuality& quality) {
   const auto& coverage = quality.coverage;
   const auto where = names_where(coverage, true), missing = names_where(coverage, false);
+  if (quality.views == 0)
+    return fmt::format(
+        "{}: no board it saw agrees with what the others saw: show it the board anew, all over its picture", name);
   std::string text = fmt::format("{} saw the board {}", name, times(quality.views));
   if (where.size() <= 3) text += fmt::format(", all {} {}", where.size() == 1 ? "in the" : "in", listed(where));
   text += ": show it ";
@@ -89,9 +92,9 @@ void judge_counts(const std::string& name, bool kept_intrinsics, CameraQuality& 
     return;
   }
   // Without corners out there it depends on their number and sharpness farther in: the adjustment knows.
-  const bool few = quality.views < kGoodViews,
-             narrow = quality.coverage.outermost_radius < kGoodRadius &&
-                      (quality.deviation.rim_px == 0.0 || quality.deviation.rim_px > kGoodRim);
+  const bool few = quality.views<kGoodViews, narrow = quality.views> 0 &&
+                   quality.coverage.outermost_radius < kGoodRadius &&
+                   (quality.deviation.rim_px == 0.0 || quality.deviation.rim_px > kGoodRim);
   if (few || narrow || names_where(quality.coverage, false).size() > 2)
     quality.advice.push_back(seen_where(name, quality));
   if (narrow) {

@@ -245,6 +245,16 @@ TEST(Calibrate, SaysWhereToShowTheBoard) {
                              HasSubstr("upper right"), HasSubstr("nearer than 2.0 m"))));
 }
 
+// Of whom no board agrees with the others', nothing is said of where those boards were.
+TEST(Calibrate, SaysSoWhereNoBoardOfACameraIsOfUse) {
+  CalibrationResult result;
+  result.cameras.push_back({.name = "cam07", .width = 640, .height = 480});
+  result.quality.emplace_back().coverage.corners.assign(48, 0);
+  judge(result);
+  EXPECT_EQ(result.verdict, Verdict::rejected);
+  EXPECT_THAT(result.quality[0].advice, ElementsAre(HasSubstr("cam07: no board it saw agrees")));
+}
+
 // Sharp corners farther in may tell the lens out to the rim: then nobody is sent for more.
 TEST(Calibrate, AsksForThePicturesRimWhereTheLensIsNotKnownThere) {
   CalibrationResult result;
@@ -295,15 +305,31 @@ TEST(Calibrate, PicturesGiveTheRig) {
     calibrate(source, other);
     FAIL() << "a board of other markers was found";
   } catch (const InvalidInput& error) {
-    EXPECT_THAT(error.what(), HasSubstr("markers of DICT_4X4"));
+    EXPECT_THAT(error.what(), HasSubstr("markers of DICT_4X4_50 instead of DICT_6X6_250"));
   }
-  for (auto& of_camera : pictures)
-    for (auto& picture : of_camera) cv::flip(picture, picture, 1);
+  other.boards = {{.type = BoardType::chessboard, .columns = 10, .rows = 7, .square = 0.1, .marker = 0.0}};
   try {
-    calibrate(source, options());
-    FAIL() << "mirrored markers were found";
+    calibrate(source, other);
+    FAIL() << "a chessboard was found";
   } catch (const InvalidInput& error) {
-    EXPECT_THAT(error.what(), HasSubstr("mirrored"));
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("markers of DICT_4X4_50"), HasSubstr("ChArUco")));
+  }
+  other = options();
+  other.world_from = "cam07";
+  try {
+    calibrate(source, other);
+    FAIL() << "the world is that of nobody";
+  } catch (const InvalidInput& error) {
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("cam07"), HasSubstr("cam00, cam01")));
+  }
+  for (auto& of_camera : {&pictures[1], &pictures[0]}) {  // one of them, then both
+    for (auto& picture : *of_camera) cv::flip(picture, picture, 1);
+    try {
+      calibrate(source, options());
+      FAIL() << "mirrored markers were found";
+    } catch (const InvalidInput& error) {
+      EXPECT_THAT(error.what(), HasSubstr("mirrored"));
+    }
   }
 }
 
