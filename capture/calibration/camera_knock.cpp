@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numbers>
 #include <set>
@@ -23,6 +24,8 @@ constexpr double kLeastShift = 3.0;  // noises: less is in the residuals anyway
 // F(6, 6 n) of no knock passes 6 once in 10^4 with five views, 10^5 with ten; a split is tried between any two.
 constexpr double kCertain = 10.0;
 constexpr std::size_t kFewestStretch = 2;  // views before and after
+constexpr double kOtherPlace = 0.10;       // metres: boards nearer to each other stand in one place
+constexpr double kLeastKnock = 0.25;       // pixels: less is no knock, but what a board in motion misses
 constexpr double kOtherCornersOff = 5.0;   // pixels from the view's median: a wrong corner, not a knock
 constexpr double kOutlier = 3.0;           // noises: what is off further counts as this
 constexpr int kRounds = 2;
@@ -50,6 +53,7 @@ double median(std::vector<double> values) {
 // One view of the camera with what its corners say about the camera's pose.
 struct PoseEvidence {
   std::size_t moment = 0;
+  Eigen::Vector3d board = Eigen::Vector3d::Zero();  // its middle
   Matrix6 H = Matrix6::Zero();
   Pose6 g = Pose6::Zero();
   double squares = 0.0;
@@ -57,7 +61,8 @@ struct PoseEvidence {
 };
 
 PoseEvidence evidence_of(const RigState& state, const Sighting& sighting, const Board& board) {
-  PoseEvidence evidence{.moment = sighting.moment};
+  PoseEvidence evidence{.moment = sighting.moment,
+                        .board = state.world_from_board.at({sighting.moment, sighting.board}).translation()};
   const auto positions = corner_positions(board);
   const auto& world_from_board = state.world_from_board.at({sighting.moment, sighting.board});
   std::vector<double> across, down;
@@ -192,6 +197,23 @@ double certainty_of(const std::vector<PoseEvidence>& views, std::size_t split, d
   return helps / std::max(scatter, 6.0 * noise_px * noise_px);
 }
 
+// The same without the boards of any one place, whichever matters most: boards in one place are off by the same, and
+// would pass for so many witnesses.
+double certainty_without_any_place(const std::vector<PoseEvidence>& views, std::size_t split, double noise_px) {
+  const std::size_t first_after = views[split].moment;
+  double least = std::numeric_limits<double>::infinity();
+  for (const auto& left_out : views) {
+    std::vector<PoseEvidence> rest;
+    std::copy_if(views.begin(), views.end(), std::back_inserter(rest),
+                 [&](const auto& view) { return (view.board - left_out.board).norm() > kOtherPlace; });
+    const auto before = static_cast<std::size_t>(
+        std::count_if(rest.begin(), rest.end(), [&](const auto& view) { return view.moment < first_after; }));
+    if (rest.size() < 3 || before == 0 || before == rest.size()) return 0.0;
+    least = std::min(least, certainty_of(rest, before, noise_px));
+  }
+  return least;
+}
+
 // The camera's pose by some views alone, boards held (Gauss-Newton).
 CameraModel resected(RigState state, std::span<const Sighting* const> views, std::span<const Board> boards,
                      std::size_t camera) {
@@ -213,7 +235,7 @@ Suspicion suspicion_of(const RigState& state, std::span<const Sighting> sighting
   const auto evidence = evidence_of(posed, views_of(posed, sightings, camera), boards);
   const std::size_t split = best_split(evidence);
   if (split == 0) return {};
-  return {evidence[split].moment, certainty_of(evidence, split, noise_px)};
+  return {evidence[split].moment, certainty_without_any_place(evidence, split, noise_px)};
 }
 
 double misfit_of(const RigState& state, std::span<const Sighting> sightings, std::span<const Board> boards,
@@ -308,7 +330,7 @@ std::optional<Knock> find_knock(const RigState& state, std::span<const Sighting>
   });
   auto& best =
       *std::min_element(trials.begin(), trials.end(), [](const auto& a, const auto& b) { return a.misfit < b.misfit; });
-  if (!(best.knock.shift_px > kLeastShift * noise_px)) return std::nullopt;
+  if (!(best.knock.shift_px > std::max(kLeastKnock, kLeastShift * noise_px))) return std::nullopt;
   return std::move(best.knock);
 }
 

@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "capture/calibration/calibration_quality.h"
+#include "capture/calibration/camera_knock.h"
 #include "config/errors.h"
 #include "tests/support/board_scene.h"
 
@@ -117,6 +118,27 @@ TEST(Calibrate, ASmallKnockIsToldOfTheRightCameraAndNoneOfNobody) {
       EXPECT_THAT(result.problems, IsEmpty());
     }
   }
+}
+
+// The true rig, and sightings of which those of cam03 from `first` on are `off` pixels to the right.
+std::optional<Knock> knock_found(std::size_t first, double off) {
+  constexpr double kNoise = 0.02;
+  RigState state{.cameras = tests::board_rig(6)};
+  auto walk = tests::board_walk(40, 6);
+  for (int i = 0; i < 4; ++i) walk.push_back(walk.back());  // on the floor
+  for (std::size_t i = 0; i < walk.size(); ++i) state.world_from_board[{i, 0}] = walk[i];
+  auto sightings = tests::sightings_of(state.cameras, kBoard, walk, kNoise);
+  for (auto& sighting : sightings)
+    if (sighting.camera == 3 && sighting.moment >= first)
+      for (auto& corner : sighting.corners) corner.pixel.x() += off;
+  return find_knock(state, sightings, std::span(&kBoard, 1), kNoise);
+}
+
+// The same error in the same place tells of no knock however often it is seen, nor does what a board in motion is off.
+TEST(Calibrate, AKnockTakesBoardsInDifferentPlacesAndMoreThanMotionDoes) {
+  EXPECT_TRUE(knock_found(20, 0.8));
+  EXPECT_FALSE(knock_found(20, 0.15));
+  EXPECT_FALSE(knock_found(39, 0.8));
 }
 
 TEST(Calibrate, NamesCamerasThatNeverSeeABoardTogether) {
