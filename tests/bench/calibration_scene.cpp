@@ -123,10 +123,14 @@ Scene shown(Scene scene, const simulator::Performance& performance, const std::v
 }  // namespace
 
 Scene show_alone(const std::string& name, const Board& board) {
+  return show_alone(name, board, rig());
+}
+
+Scene show_alone(const std::string& name, const Board& board, const std::vector<CameraModel>& cameras) {
   const BoardShow show(figure_of(board), tests::board_walk(kMoments));
   std::vector<double> seconds;
   for (int i = 0; i < kMoments; ++i) seconds.push_back(i * simulator::kActStep);
-  return shown({.name = name, .board = board, .truth = rig()}, show, seconds);
+  return shown({.name = name, .board = board, .truth = cameras}, show, seconds);
 }
 
 Scene show_carried() {

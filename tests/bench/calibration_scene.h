@@ -19,11 +19,13 @@ struct Scene {
   std::vector<std::vector<cv::Mat>> grey;  // by camera, then moment
 };
 
-// Sixty moments of the board alone, held still at places all over the volume.
+// Sixty moments of the board alone, held still at places all over the volume. Before a rig with strongly distorting
+// lenses, or these cameras.
 Scene show_alone(const std::string& name, const capture::Board& board);
+Scene show_alone(const std::string& name, const capture::Board& board,
+                 const std::vector<capture::CameraModel>& cameras);
 
-// Sixty moments of the act "board": a person carries it through the volume and lays it on the floor. Before a rig with
-// strongly distorting lenses, or these cameras.
+// Sixty moments of the act "board": a person carries it through the volume and lays it on the floor. Before the same.
 Scene show_carried();
 Scene show_carried(const std::vector<capture::CameraModel>& cameras);
 

@@ -1,8 +1,10 @@
 #include "tests/bench/own_calibration.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 
 #include "capture/calibration/calibrate.h"
 #include "capture/calibration_file.h"
@@ -12,18 +14,31 @@
 namespace rotunda::bench {
 namespace {
 
+using capture::Board;
 using capture::CameraModel;
 
-std::vector<CameraModel> calibrated(const Scene& scene) {
+capture::CalibrationResult calibrated(const Scene& scene) {
   capture::BoardPictures pictures;
   for (const auto& camera : scene.truth) pictures.cameras.push_back(camera.name);
   for (std::size_t i = 0; i < scene.poses.size(); ++i) pictures.moments.push_back(fmt::format("moment{:02}", i));
   pictures.grey = [&](std::size_t camera, std::size_t moment) { return scene.grey[camera][moment]; };
   capture::CalibrateOptions options;
   options.boards = {scene.board};
-  auto result = capture::calibrate(pictures, options);
-  if (result.cameras.size() != scene.truth.size())
-    throw InvalidInput(fmt::format("{} of {} cameras could be calibrated", result.cameras.size(), scene.truth.size()));
+  return capture::calibrate(pictures, options);
+}
+
+bool is_whole(const capture::CalibrationResult& result, const std::vector<CameraModel>& truth) {
+  return result.cameras.size() == truth.size() && std::all_of(result.quality.begin(), result.quality.end(),
+                                                              [](const auto& q) { return q.corners > q.outliers; });
+}
+
+// As an operator does: to a camera that stands too far off for the studio's board a larger one is shown.
+std::vector<CameraModel> all_calibrated(const std::vector<CameraModel>& truth) {
+  auto result = calibrated(show_carried(truth));
+  if (!is_whole(result, truth)) result = calibrated(show_alone("large", Board{}, truth));
+  if (!is_whole(result, truth))
+    throw InvalidInput(fmt::format("{} of {} cameras could be calibrated: {}", result.cameras.size(), truth.size(),
+                                   fmt::join(result.problems, "; ")));
   return std::move(result.cameras);
 }
 
@@ -50,7 +65,7 @@ std::vector<CameraModel> own_calibration(const std::string& rig, const std::vect
                                          const std::filesystem::path& keep) {
   const auto file = keep / fmt::format("{}.own-calibration.yaml", rig);
   if (!keep.empty() && std::filesystem::exists(file)) return capture::read_calibration(file);
-  const auto cameras = aligned_cameras(calibrated(show_carried(truth)), truth);
+  const auto cameras = aligned_cameras(all_calibrated(truth), truth);
   if (!keep.empty()) {
     std::filesystem::create_directories(keep);
     capture::write_calibration(file, cameras);
