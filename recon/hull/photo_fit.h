@@ -22,7 +22,7 @@ struct PhotoFitOptions {
   double rival_distance = 0.010;  // world units: of two offsets that are two, not one
   double sure_margin = 0.05;      // of the best correlation above its rivals: less tells less
   double prior_sigma = 0.008;     // of the surface beside a rim, world units
-  double prior_slope = 0.10;      // of that standard deviation by the distance to the nearest rim
+  double prior_slope = 0.50;      // of that standard deviation by the distance to the nearest rim
   double photo_weight = 32.0;     // of a correlation that falls by one, against one sigma squared of the prior, halved
   double smoothness = 2.0;        // of a difference of one step between neighbours
   double steepest = 1.0;          // of offsets over the surface

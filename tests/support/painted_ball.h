@@ -18,6 +18,8 @@ struct PaintedBall {
   double dent_radius = 0.0;             // 0: no dent
   double detail = 1.0;                  // of the pattern: 1 has waves of 65 to 170 mm, 4 of a quarter
   double repeat = 0.0;                  // metres after which it is the same again along x, y and z; 0: never
+  double repeat_radius = 0.0;           // it repeats so far about this place alone; 0: everywhere
+  Eigen::Vector3d repeat_at{0.0, 0.0, 0.0};
 };
 
 // Positive inside.
@@ -38,7 +40,8 @@ inline cv::Vec3b paint_at(const Eigen::Vector3d& place, double detail) {
 }
 
 inline cv::Vec3b paint_at(const PaintedBall& ball, const Eigen::Vector3d& place) {
-  if (ball.repeat <= 0.0) return paint_at(place, ball.detail);
+  const bool elsewhere = ball.repeat_radius > 0.0 && (place - ball.repeat_at).norm() > ball.repeat_radius;
+  if (ball.repeat <= 0.0 || elsewhere) return paint_at(place, ball.detail);
   const Eigen::Array3d turn = 2.0 * M_PI / ball.repeat * place.array();
   const auto grey = cv::saturate_cast<std::uint8_t>(128.0 + 30.0 * turn.sin().sum());
   return {grey, grey, grey};

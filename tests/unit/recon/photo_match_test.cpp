@@ -54,5 +54,23 @@ TEST(PhotoMatch, IsNotLedAstrayByAPatternThatRepeats) {
   }
 }
 
+// A patch that is the same again 29 mm deeper, where all around it tells that it lies deeper.
+TEST(PhotoMatch, LeavesNoLumpWhereAPatternRepeatsAmidOneThatDoesNot) {
+  tests::PaintedBall ball{{0.0, 0.0, 0.95}, 0.25};
+  ball.detail = 2.0;
+  ball.repeat = 0.024;
+  ball.repeat_at = ball.centre + ball.radius * Eigen::Vector3d(std::cos(0.4), std::sin(0.4), 0.0);
+  ball.repeat_radius = 0.10;
+  const auto mesh = matched(tests::ball_mesh(ball, 0.029), tests::PaintedBallScene(ball));
+  double farthest = 0.0;
+  for (const auto& position : mesh.positions) {
+    const Eigen::Vector3d from_centre = position.cast<double>() - ball.centre;
+    const Eigen::Vector3d below = ball.centre + ball.radius * from_centre.normalized();
+    if ((below - ball.repeat_at).norm() < ball.repeat_radius)
+      farthest = std::max(farthest, std::abs(from_centre.norm() - ball.radius));
+  }
+  EXPECT_LT(farthest, 0.0035);  // a pixel
+}
+
 }  // namespace
 }  // namespace rotunda::recon
