@@ -1,9 +1,10 @@
 // How long each step from silhouettes to a closed surface takes, how that grows with finer cells, and how far the
 // surface lies from the body that cast them: ten 720 x 576 cameras, 10 mm cells.
 //   surface_bench [BODY.ply] [--runs N]; without a body, a person of capsules
-//   surface_bench --truth fitted|held-out [--keep DIR]: what each rung gains on rendered people (surface_ladder.h)
-//   surface_bench --growth [--keep DIR]: time and memory of the whole surface by cell, pictures matched
-//   (surface_growth.h) surface_bench --fit [--keep DIR]: how the law by rim distance was chosen (rim_law_search.h)
+//   surface_bench --truth fitted|held-out [--studies N] [--keep DIR]: what each rung gains on rendered people
+//   (surface_ladder.h) surface_bench --growth [--keep DIR]: time and memory of the whole surface by cell, pictures
+//   matched (surface_growth.h) surface_bench --fit [--keep DIR]: how the law by rim distance was chosen
+//   (rim_law_search.h)
 // Silhouettes of a mesh are its triangles filled at eight times the size. Prints medians.
 #include <fmt/format.h>
 
@@ -202,14 +203,21 @@ int main(int argc, char** argv) {
   bool fit = false, growth = false;
   app.add_flag("--fit", fit, "search the law by rim distance anew, on the rendered people it was fitted on");
   app.add_flag("--growth", growth, "time and memory from 20 to 5 mm cells of a rendered person, pictures matched");
+  std::size_t studies = 0;
+  app.add_option("--studies", studies, "of --truth, the first so many alone: a few minutes each")
+      ->check(CLI::PositiveNumber);
   app.add_option("--keep", keep, "leave rendered pictures here for the next time");
   CLI11_PARSE(app, argc, argv);
   try {
     if (fit) bench::search_rim_law(bench::fitted_studies(), keep);
     if (growth) bench::print_growth(bench::held_out_studies().front(), keep, runs);
     if (!fit && !growth && truth.empty()) measure(body, runs);
-    if (truth == "fitted") bench::print_ladder(bench::fitted_studies(), keep);
-    if (truth == "held-out") bench::print_ladder(bench::held_out_studies(), keep);
+    if (!truth.empty()) {
+      auto looked_at = truth == "fitted" ? bench::fitted_studies() : bench::held_out_studies();
+      if (studies > 0 && studies < looked_at.size())
+        looked_at.erase(looked_at.begin() + static_cast<long>(studies), looked_at.end());
+      bench::print_ladder(looked_at, keep);
+    }
     return kDone;
   } catch (...) {
     return report_current_exception("surface_bench");

@@ -6,6 +6,7 @@
 #include <map>
 #include <string>
 
+#include "config/errors.h"
 #include "recon/hull/surface.h"
 #include "simulator/studio/camera_layout.h"
 #include "tests/bench/surface_score.h"
@@ -58,7 +59,7 @@ std::vector<Rung> rungs() {
 }
 
 struct Sums {
-  double mean = 0.0, p95 = 0.0, within = 0.0, overlap = 0.0, normals_off = 0.0, cpu_ms = 0.0;
+  double mean = 0.0, p95 = 0.0, within = 0.0, seen = 0.0, overlap = 0.0, normals_off = 0.0, cpu_ms = 0.0;
   int worse_than_hull = 0, failed = 0;
 };
 
@@ -71,7 +72,8 @@ double cpu_ms() {
 class Ladder {
  public:
   void add(const SurfaceMoment& moment) {
-    const SurfaceJudge judge(moment.body);
+    const SurfaceJudge judge(moment.body, moment.cameras);
+    seen_ += judge.seen_share();
     const std::map<Source, std::vector<recon::SilhouetteView>> views{
         {Source::truth, recon::silhouette_views(moment.cameras, moment.truth)},
         {Source::key, recon::silhouette_views(moment.cameras, moment.mattes)},
@@ -97,6 +99,7 @@ class Ladder {
       sums_[r].mean += score.mean / ideal.mean;
       sums_[r].p95 += score.p95 / ideal.p95;
       sums_[r].within += score.within_10mm;
+      sums_[r].seen += score.seen_within_10mm;
       sums_[r].normals_off += score.normals_off_deg;
       sums_[r].overlap += outline_overlap(result.mesh, moment.cameras, moment.truth);
       if (r == 0) fmt::print(" {:5.2f} / {:5.1f} mm {:.3f}", score.mean, score.p95, score.within_10mm);
@@ -109,21 +112,23 @@ class Ladder {
   }
 
   void print_means() const {
-    fmt::print("{:<26} {:>16} {:>10} {:>10} {:>10} {:>10} {:>10}  {}\n", "mean", "to the ideal", "in 10 mm", "outline",
-               "normals", "cpu ms", "not worse", "asked");
+    fmt::print("{:<26} {:>16} {:>10} {:>10} {:>10} {:>10} {:>10} {:>10}  {}\n", "mean", "to the ideal", "in 10 mm",
+               "of seen", "outline", "normals", "cpu ms", "not worse", "asked");
     for (std::size_t r = 0; r < rungs_.size(); ++r) {
       const auto& sum = sums_[r];
       const double count = moments_ - sum.failed;
-      fmt::print("{:<26} {:>7.3f} / {:>6.3f} {:>10.3f} {:>10.4f} {:>6.1f} deg {:>10.0f} {:>6}/{:<3}  {}\n",
-                 rungs_[r].name, sum.mean / count, sum.p95 / count, sum.within / count, sum.overlap / count,
-                 sum.normals_off / count, sum.cpu_ms / count, moments_ - sum.worse_than_hull - sum.failed, moments_,
-                 rungs_[r].asked);
+      fmt::print("{:<26} {:>7.3f} / {:>6.3f} {:>10.3f} {:>10.3f} {:>10.4f} {:>6.1f} deg {:>10.0f} {:>6}/{:<3}  {}\n",
+                 rungs_[r].name, sum.mean / count, sum.p95 / count, sum.within / count, sum.seen / count,
+                 sum.overlap / count, sum.normals_off / count, sum.cpu_ms / count,
+                 moments_ - sum.worse_than_hull - sum.failed, moments_, rungs_[r].asked);
     }
+    fmt::print("no camera has {:.3f} of the true surface before it\n", 1.0 - seen_ / moments_);
   }
 
  private:
   std::vector<Rung> rungs_ = rungs();
   std::vector<Sums> sums_ = std::vector<Sums>(rungs_.size());
+  double seen_ = 0.0;  // shares of the truth that some camera sees
   int moments_ = 0;
 };
 
@@ -133,7 +138,11 @@ void print_ladder(const std::vector<SurfaceStudy>& studies, const std::filesyste
   Ladder ladder;
   for (auto study : studies) {
     study.own_calibration = true;
-    for (const auto& moment : moments_of(study, keep)) ladder.add(moment);
+    try {
+      for (const auto& moment : moments_of(study, keep)) ladder.add(moment);
+    } catch (const InvalidInput& problem) {  // the other studies can still be measured
+      fmt::print("{} left out: {}\n", study.name(), problem.what());
+    }
   }
   ladder.print_means();
 }
