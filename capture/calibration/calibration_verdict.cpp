@@ -92,9 +92,9 @@ void judge_counts(const std::string& name, bool kept_intrinsics, CameraQuality& 
     return;
   }
   // Without corners out there it depends on their number and sharpness farther in: the adjustment knows.
-  const bool few = quality.views<kGoodViews, narrow = quality.views> 0 &&
-                   quality.coverage.outermost_radius < kGoodRadius &&
-                   (quality.deviation.rim_px == 0.0 || quality.deviation.rim_px > kGoodRim);
+  const bool few = quality.views < kGoodViews;
+  const bool narrow = quality.views != 0 && quality.coverage.outermost_radius < kGoodRadius &&
+                      (quality.deviation.rim_px == 0.0 || quality.deviation.rim_px > kGoodRim);
   if (few || narrow || names_where(quality.coverage, false).size() > 2)
     quality.advice.push_back(seen_where(name, quality));
   if (narrow) {

@@ -85,5 +85,17 @@ TEST(BoardFolder, NamesADamagedJpegAndReadsOneWithMoreBehindIt) {
   EXPECT_FALSE(read.pictures.grey(0, 1).empty());
 }
 
+TEST(BoardFolder, ReadsProgressiveAndGreyJpegs) {
+  const auto folder = fresh_folder();
+  cv::Mat picture(120, 160, CV_8UC3);
+  cv::randu(picture, 0, 255);
+  cv::imwrite(folder / "cam00/a.jpg", picture, {cv::IMWRITE_JPEG_PROGRESSIVE, 1});
+  cv::extractChannel(picture, picture, 1);
+  cv::imwrite(folder / "cam01/b.jpg", picture);
+  const auto read = read_board_folder(folder);
+  EXPECT_THAT(read.skipped, testing::IsEmpty());
+  EXPECT_EQ(read.pictures.moments.size(), 2U);
+}
+
 }  // namespace
 }  // namespace rotunda::capture
