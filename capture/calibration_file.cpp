@@ -24,10 +24,13 @@ constexpr double kLargestColourGain = 100.0, kLeastColourVolume = 1e-6;  // of a
 constexpr std::size_t kLargestFile = 16U << 20U;                         // bytes; a thousand cameras take one
 
 // Collects the mistakes of one camera's map under its place in the file.
+// Of lenses alone nothing more is wanted.
+enum class Poses { wanted, optional };
+
 class CameraReader {
  public:
-  CameraReader(const YAML::Node& map, std::string place, std::vector<ConfigProblem>& problems)
-      : map_(map), place_(std::move(place)), problems_(problems) {}
+  CameraReader(const YAML::Node& map, std::string place, Poses poses, std::vector<ConfigProblem>& problems)
+      : map_(map), place_(std::move(place)), poses_(poses), problems_(problems) {}
 
   std::optional<CameraModel> read();
   const std::optional<Eigen::Matrix3d>& colour() const { return colour_; }  // after read()
@@ -48,6 +51,7 @@ class CameraReader {
 
   const YAML::Node map_;
   std::string place_;
+  Poses poses_;
   std::vector<ConfigProblem>& problems_;
   std::string name_;
   std::optional<Eigen::Matrix3d> colour_;
@@ -154,6 +158,7 @@ void CameraReader::read_distortion(CameraModel& camera) {
 }
 
 void CameraReader::read_pose(CameraModel& camera) {
+  if (poses_ == Poses::optional && !map_["R"].IsDefined() && !map_["t"].IsDefined()) return;
   const YAML::Node rotation = wanted("R", "a 3 x 3 rotation matrix"), translation = wanted("t", "three numbers");
   if (translation.IsDefined())
     if (const auto values = numbers(translation, "t", 3, 1))
@@ -224,7 +229,7 @@ void refuse_names_used_twice(const YAML::Node& list, const std::vector<CameraMod
       problems.push_back(problem_at(list, "cameras", fmt::format("the name {} is used twice", camera.name)));
 }
 
-CalibrationFile parse(const YAML::Node& root, std::vector<ConfigProblem>& problems) {
+CalibrationFile parse(const YAML::Node& root, Poses poses, std::vector<ConfigProblem>& problems) {
   CalibrationFile calibration;
   if (!root.IsMap()) {
     problems.push_back(problem_at(root, "", "expected a map with unit and cameras; is this a calibration file?"));
@@ -240,7 +245,7 @@ CalibrationFile parse(const YAML::Node& root, std::vector<ConfigProblem>& proble
     return calibration;
   }
   for (std::size_t i = 0; i < list.size(); ++i) {
-    CameraReader reader(list[i], fmt::format("cameras[{}]", i), problems);
+    CameraReader reader(list[i], fmt::format("cameras[{}]", i), poses, problems);
     auto camera = reader.read();
     if (!camera) continue;
     if (reader.colour()) calibration.colour[camera->name] = *reader.colour();
@@ -250,11 +255,11 @@ CalibrationFile parse(const YAML::Node& root, std::vector<ConfigProblem>& proble
   return calibration;
 }
 
-CalibrationFile parse_text(const std::filesystem::path& file, const std::string& text) {
+CalibrationFile parse_text(const std::filesystem::path& file, const std::string& text, Poses poses) {
   std::vector<ConfigProblem> problems;
   CalibrationFile calibration;
   try {
-    calibration = parse(YAML::Load(text), problems);
+    calibration = parse(YAML::Load(text), poses, problems);
   } catch (const YAML::Exception& error) {
     problems.push_back({counted_from_one(error.mark.line), counted_from_one(error.mark.column), "",
                         "is not YAML as OpenCV's FileStorage writes it: " + error.msg});
@@ -295,7 +300,7 @@ std::string text_of(const CalibrationFile& calibration) {
 std::string checked_text_of(const CalibrationFile& calibration) {
   try {
     std::string text = text_of(calibration);
-    parse_text("calibration", text);
+    parse_text("calibration", text, Poses::wanted);
     return text;
   } catch (const ConfigError& error) {
     throw InvalidInput(std::string("this calibration cannot be written: ") + error.what());
@@ -312,7 +317,11 @@ Eigen::Matrix3d CalibrationFile::colour_of(const std::string& camera) const {
 }
 
 CalibrationFile read_calibration_file(const std::filesystem::path& file) {
-  return parse_text(file, whole_text(file));
+  return parse_text(file, whole_text(file), Poses::wanted);
+}
+
+std::vector<CameraModel> read_lenses(const std::filesystem::path& file) {
+  return parse_text(file, whole_text(file), Poses::optional).cameras;
 }
 
 std::vector<CameraModel> read_calibration(const std::filesystem::path& file) {

@@ -35,6 +35,8 @@ struct CalibrationFile {
 
 CalibrationFile read_calibration_file(const std::filesystem::path& file);
 std::vector<CameraModel> read_calibration(const std::filesystem::path& file);  // the cameras alone
+// For K and distortion: R and t may be absent, and are those of a camera at the world's origin then.
+std::vector<CameraModel> read_lenses(const std::filesystem::path& file);
 
 // Replaces the file in one step; every number survives the round trip. Throws std::system_error if it cannot be
 // written and InvalidInput if the cameras could not be read back (none, a name twice, an R that is no rotation...).

@@ -15,6 +15,7 @@ namespace {
 constexpr double kLossWidth = 2.5;  // noises
 
 // What lenses are like before any picture is seen; standard deviations.
+constexpr double kFocalLength = 1.2, kFocalPrior = 1.0;  // of the picture's longer side; natural logarithm
 constexpr double kCentrePrior = 0.01;      // of the picture's longer side, about its middle
 constexpr double kAspectPrior = 0.02;      // fy / fx about 1; video cameras have up to 16/15
 constexpr double kTangentialPrior = 1e-3;  // p1, p2
@@ -135,29 +136,34 @@ class CornerOff : public ceres::SizedCostFunction<2, kIntrinsics, kPose, kPose, 
   double skew_, weight_;
 };
 
-// fy / fx, cx, cy, k1, k2, p1, p2, k3 about what lenses have.
-class IntrinsicsPrior : public ceres::SizedCostFunction<8, kIntrinsics> {
+// fy / fx, cx, cy, k1, k2, p1, p2, k3 and fx about what lenses have.
+class IntrinsicsPrior : public ceres::SizedCostFunction<9, kIntrinsics> {
  public:
   explicit IntrinsicsPrior(const CameraModel& camera) {
     const double centre = kCentrePrior * std::max(camera.width, camera.height);
     middle_ = {0.5 * (camera.width - 1), 0.5 * (camera.height - 1), 0, 0, 0, 0, 0};
+    usual_fx_ = kFocalLength * std::max(camera.width, camera.height);
     deviation_ = {centre, centre, kFirstPrior, kSecondPrior, kTangentialPrior, kTangentialPrior, kThirdPrior};
   }
   bool Evaluate(const double* const* parameters, double* off, double** jacobians) const override {
     const double* in = parameters[0];
     off[0] = (in[1] / in[0] - 1.0) / kAspectPrior;
     for (std::size_t i = 0; i < middle_.size(); ++i) off[i + 1] = (in[i + 2] - middle_[i]) / deviation_[i];
+    if (!(in[0] > 0.0)) return false;
+    off[8] = std::log(in[0] / usual_fx_) / kFocalPrior;
     if (jacobians == nullptr || jacobians[0] == nullptr) return true;
-    Eigen::Map<Eigen::Matrix<double, 8, kIntrinsics, Eigen::RowMajor>> J(jacobians[0]);
+    Eigen::Map<Eigen::Matrix<double, 9, kIntrinsics, Eigen::RowMajor>> J(jacobians[0]);
     J.setZero();
     J(0, 0) = -in[1] / (in[0] * in[0]) / kAspectPrior;
     J(0, 1) = 1.0 / in[0] / kAspectPrior;
+    J(8, 0) = 1.0 / in[0] / kFocalPrior;
     for (int i = 0; i < 7; ++i) J(i + 1, i + 2) = 1.0 / deviation_[static_cast<std::size_t>(i)];
     return true;
   }
 
  private:
   std::array<double, 7> middle_{}, deviation_{};
+  double usual_fx_ = 0.0;
 };
 
 CameraBlocks to_blocks(const CameraModel& camera) {

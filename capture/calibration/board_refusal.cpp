@@ -17,9 +17,10 @@ namespace {
 constexpr std::size_t kLookedAt = 12;  // pictures, to say what is there instead of the board
 constexpr int kLongestLookedAt = 800;  // pixels of a side, for another chessboard: large ones take minutes to deny
 
-// Boards that each camera must have seen: where its lens is known already, one tells where it stands.
-std::size_t fewest_views(const CalibrateOptions& options) {
-  return options.known.empty() ? kFewestViews : 1;
+// Boards that each camera must have seen: where its lens is known already, one tells where it stands; where there are
+// no more moments, one must do.
+std::size_t fewest_views(const BoardPictures& pictures, const CalibrateOptions& options) {
+  return options.known.empty() && pictures.moments.size() >= kFewestViews ? kFewestViews : 1;
 }
 
 std::vector<std::size_t> some_of(std::size_t count) {
@@ -122,20 +123,14 @@ std::string what_is_there_instead(const std::vector<cv::Mat>& some, std::span<co
 
 }  // namespace
 
-void refuse_too_little(std::size_t cameras, std::size_t moments, const CalibrateOptions& options) {
+void refuse_too_little(std::size_t cameras) {
   if (cameras < 2) throw InvalidInput(fmt::format("there is {} camera; a rig has two at least", cameras));
-  if (moments < fewest_views(options))
-    throw InvalidInput(
-        fmt::format("there {} {}; it takes {} at least, better 40: show the board at many places (or give "
-                    "the intrinsics, where they are known)",
-                    moments == 1 ? "is" : "are", moments == 1 ? "one moment" : fmt::format("{} moments", moments),
-                    fewest_views(options)));
 }
 
 void refuse_another_board(const BoardSearch& search, const BoardPictures& pictures, const CalibrateOptions& options) {
   std::vector<std::size_t> views(pictures.cameras.size(), 0);
   for (const auto& sighting : search.sightings) ++views[sighting.camera];
-  if (!views.empty() && *std::max_element(views.begin(), views.end()) >= fewest_views(options)) return;
+  if (!views.empty() && *std::max_element(views.begin(), views.end()) >= fewest_views(pictures, options)) return;
   const auto instead = what_is_there_instead(some_pictures(pictures, 0, pictures.cameras.size()), options.boards);
   if (!search.sightings.empty() && instead.empty()) return;
   throw InvalidInput(fmt::format("the board was found in {} of {} pictures: {}", search.sightings.size(),
@@ -158,7 +153,7 @@ std::vector<std::string> why_unseen(const BoardSearch& search, const BoardPictur
   for (const auto& sighting : search.sightings) ++views[sighting.camera];
   std::vector<std::string> reasons(views.size());
   for (std::size_t i = 0; i < views.size(); ++i)
-    if (views[i] < fewest_views(options))
+    if (views[i] < fewest_views(pictures, options))
       reasons[i] = what_is_there_instead(some_pictures(pictures, i, i + 1), options.boards);
   return reasons;
 }

@@ -4,8 +4,8 @@
 
 namespace rotunda::capture {
 
-// Throws InvalidInput: one camera only, or fewer moments than lenses take.
-void refuse_too_little(std::size_t cameras, std::size_t moments, const CalibrateOptions& options);
+// Throws InvalidInput: one camera only.
+void refuse_too_little(std::size_t cameras);
 
 // Throws InvalidInput where no camera saw the board often enough: another board, a mirrored one, or none at all. Few
 // markers of a board that is not there are found by chance. Looks at a few pictures only.

@@ -51,6 +51,7 @@ class Calibration {
   AdjustmentOptions adjustment() const { return {.keep_intrinsics = all_known_, .bend = options_.bend}; }
   double outlier_px() const { return std::max(kLeastGate, kOutlier * noise_px_ * std::sqrt(2.0)); }
   void keep_cameras(const std::vector<std::size_t>& kept);
+  void tell_too_few(std::size_t most_views);
   void forget_unseen_boards();
   void tell_groups(const CameraGraph& graph);
   void list_from_one_end(const CameraGraph& graph);
@@ -85,6 +86,12 @@ std::vector<Sighting> of_camera(std::span<const Sighting> sightings, std::size_t
   return own;
 }
 
+std::size_t most_views(std::span<const Sighting> sightings, std::size_t cameras) {
+  std::vector<std::size_t> views(cameras, 0);
+  for (const auto& sighting : sightings) ++views[sighting.camera];
+  return *std::max_element(views.begin(), views.end());
+}
+
 void Calibration::start(std::span<const CameraModel> sizes, std::vector<Sighting> sightings,
                         std::span<const std::string> why_unseen) {
   sightings_ = std::move(sightings);
@@ -92,8 +99,9 @@ void Calibration::start(std::span<const CameraModel> sizes, std::vector<Sighting
   std::vector<std::uint8_t> known(sizes.size(), 0);
   for (std::size_t i = 0; i < sizes.size(); ++i)
     if (const auto* given = known_camera(options_.known, sizes[i])) starts[i] = CameraStart{*given, 0.0}, known[i] = 1;
+  const std::size_t most = most_views(sightings_, sizes.size()), fewest = most < kFewestViews ? 1 : kFewestViews;
   tbb::parallel_for(std::size_t{0}, sizes.size(), [&](std::size_t i) {
-    if (known[i] == 0) starts[i] = start_camera(sizes[i], of_camera(sightings_, i), boards_);
+    if (known[i] == 0) starts[i] = start_camera(sizes[i], of_camera(sightings_, i), boards_, fewest);
   });
   std::vector<std::size_t> kept;
   std::size_t from_file = 0;
@@ -106,20 +114,30 @@ void Calibration::start(std::span<const CameraModel> sizes, std::vector<Sighting
       continue;
     }
     const bool told = i < why_unseen.size() && !why_unseen[i].empty();
-    result_.problems.push_back(
-        fmt::format("{} saw the board {} times; it takes {}: it is left out{}", sizes[i].name, views, kFewestViews,
-                    told ? "; " + why_unseen[i] : std::string(". Show it the board at different places, tilted")));
+    result_.problems.push_back(fmt::format(
+        "{} saw the board {}; it takes {} at least: it is left out{}", sizes[i].name, in_times(views), fewest,
+        told ? "; " + why_unseen[i] : std::string(". Show it the board at different places, tilted")));
   }
   if (kept.size() < 2)
     throw InvalidInput(fmt::format("only {} of {} cameras saw enough boards; a rig has two at least. {}", kept.size(),
                                    sizes.size(), fmt::join(result_.problems, "; ")));
   all_known_ = from_file == kept.size();
+  if (!all_known_ && most < kFewestViews) tell_too_few(most);
   if (from_file > 0 && !all_known_)
     throw InvalidInput(fmt::format("the given intrinsics know {} of {} cameras only: give all of them, or none",
                                    from_file, kept.size()));
   source_.resize(sizes.size());
   for (std::size_t i = 0; i < sizes.size(); ++i) source_[i] = i;
   keep_cameras(kept);
+}
+
+// A calibration all the same: it shows what is amiss, and may do where nothing better is to be had.
+void Calibration::tell_too_few(std::size_t most_views) {
+  result_.verdict = Verdict::rejected;
+  result_.problems.push_back(fmt::format(
+      "no camera saw the board more than {}, so lenses are mostly what lenses are like: show the board at 12 places or "
+      "more, better 40, all over every picture (or give the intrinsics, where they are known)",
+      in_times(most_views)));
 }
 
 // Numbers the cameras anew.
@@ -280,7 +298,7 @@ CalibrationResult Calibration::judged(const BoardPictures* pictures) {
 CalibrationResult calibrate_sightings(std::span<const CameraModel> sizes, std::vector<std::string> moments,
                                       std::vector<Sighting> sightings, const CalibrateOptions& options) {
   check_boards(options.boards);
-  refuse_too_little(sizes.size(), moments.size(), options);
+  refuse_too_little(sizes.size());
   if (sightings.empty()) throw InvalidInput("no board was found in any picture");
   Calibration calibration(std::move(moments), options);
   calibration.start(sizes, std::move(sightings));
@@ -294,7 +312,7 @@ CalibrationResult calibrate_sightings(std::span<const CameraModel> sizes, std::v
 CalibrationResult calibrate(const BoardPictures& pictures, const CalibrateOptions& options,
                             const std::stop_token& stop) {
   const BoardDetector detector(options.boards);
-  refuse_too_little(pictures.cameras.size(), pictures.moments.size(), options);
+  refuse_too_little(pictures.cameras.size());
   refuse_another_world(pictures.cameras, options.world_from);
   auto search = search_boards(pictures, detector, options, stop);
   refuse_another_board(search, pictures, options);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <set>
 
 #include "capture/calibration/calibration_covariance.h"
@@ -60,6 +61,32 @@ std::vector<std::vector<double>> distances_by_camera(const RigState& state, std:
         distances[sighting.camera].push_back(off->norm());
   }
   return distances;
+}
+
+using KeptAndOut = std::pair<std::vector<Sighting>, std::vector<Sighting>>;
+
+KeptAndOut without_moments(std::span<const Sighting> sightings, const std::set<std::size_t>& held_out) {
+  KeptAndOut parts;
+  for (const auto& sighting : sightings)
+    (held_out.contains(sighting.moment) ? parts.second : parts.first).push_back(sighting);
+  return parts;
+}
+
+// Where there are too few moments to spare any: a fifth of each board's corners, a knight's move apart.
+KeptAndOut without_some_corners(std::span<const Sighting> sightings, std::span<const Board> boards) {
+  KeptAndOut parts;
+  for (const auto& sighting : sightings) {
+    const int columns = boards[sighting.board].columns - 1;
+    Sighting kept = sighting, out = sighting;
+    const auto is_out = [&](const auto& found) {
+      return (found.corner % columns + 2 * (found.corner / columns)) % 5 == 2;
+    };
+    std::erase_if(kept.corners, is_out);
+    std::erase_if(out.corners, std::not_fn(is_out));
+    parts.first.push_back(std::move(kept));
+    parts.second.push_back(std::move(out));
+  }
+  return parts;
 }
 
 double farthest_corner_of_picture(const CameraModel& camera) {
@@ -154,16 +181,16 @@ void tell_residuals(const RigState& state, std::span<const Sighting> with_outlie
 void tell_held_out(const RigState& state, std::span<const Sighting> sightings, std::span<const Board> boards,
                    const AdjustmentOptions& options, CalibrationResult& result) {
   const auto moments = shared_moments(sightings);
-  if (moments.size() < kFewestForHoldingOut) return;
+  const bool by_moment = moments.size() >= kFewestForHoldingOut;
   std::set<std::size_t> held_out;
-  for (std::size_t i = kHeldOutEvery / 2; i < moments.size(); i += kHeldOutEvery) held_out.insert(moments[i]);
-  std::vector<Sighting> kept, out;
-  for (const auto& sighting : sightings) (held_out.contains(sighting.moment) ? out : kept).push_back(sighting);
+  for (std::size_t i = kHeldOutEvery / 2; by_moment && i < moments.size(); i += kHeldOutEvery)
+    held_out.insert(moments[i]);
+  auto [kept, out] = by_moment ? without_moments(sightings, held_out) : without_some_corners(sightings, boards);
   RigState trained = state;
   adjust(trained, kept, boards, options);
   auto only_boards = options;
   only_boards.keep_cameras = true;
-  adjust(trained, out, boards, only_boards);
+  if (by_moment) adjust(trained, out, boards, only_boards);
   std::vector<double> all;
   const auto distances = distances_by_camera(trained, out, boards);
   for (std::size_t i = 0; i < distances.size(); ++i) {

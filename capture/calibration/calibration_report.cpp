@@ -48,8 +48,7 @@ std::string verdict_box(const CalibrationResult& result) {
       fmt::format("<div class=\"verdict {}\"><p>{}: {}. ", to_string(result.verdict), word(result.verdict), meaning);
   html += fmt::format("{} cameras, {} moments, {} corners; RMS {:.3f} px, 95 % below {:.3f} px", result.cameras.size(),
                       result.moments.size(), result.corners, result.rms_px, result.p95_px);
-  if (result.held_out_moments > 0)
-    html += fmt::format("; {:.3f} px at {} moments that took no part", result.held_out_rms_px, result.held_out_moments);
+  html += fmt::format("; {:.3f} px {} that took no part", result.held_out_rms_px, held_out_where(result));
   return html + ".</p>\n" + list(result.problems) + list(result.advice) + "</div>\n";
 }
 

@@ -16,6 +16,7 @@ namespace rotunda::capture {
 // good: as the rig allows; usable: will do, could be better; rejected: not to be worked with.
 enum class Verdict { good, usable, rejected };
 std::string to_string(Verdict verdict);
+std::string in_times(std::size_t count);  // "once", "twice", "4 times"
 
 struct CornerResidual {
   int corner = 0;                                   // of the board
@@ -55,7 +56,7 @@ struct CameraDeviation {
 struct CameraQuality {
   int views = 0, corners = 0, outliers = 0;
   double rms_px = 0.0, p95_px = 0.0;  // of the distances found to calibrated
-  double held_out_rms_px = 0.0;       // at moments that took no part; 0 if there were none
+  double held_out_rms_px = 0.0;       // at moments, or corners, that took no part
   ImageCoverage coverage;
   CameraDeviation deviation;
   Verdict verdict = Verdict::good;
@@ -98,7 +99,7 @@ struct CalibrationResult {
   double corner_noise_px = 0;    // standard deviation per axis, from the residuals' median
   double rms_px = 0, p95_px = 0;
   double held_out_rms_px = 0;  // over all cameras
-  int held_out_moments = 0;
+  int held_out_moments = 0;    // 0: a fifth of every board's corners was held out instead
   int corners = 0, outliers = 0;
   double bend = 0;  // of the board, metres of sag over its diagonal; 0 where it was taken as flat
 
@@ -106,5 +107,8 @@ struct CalibrationResult {
   std::vector<std::string> problems;  // found and named: swapped cameras, a camera that moved, a wrong board
   std::vector<std::string> advice;    // what to do about it
 };
+
+// "at 9 moments", "at a fifth of the corners".
+std::string held_out_where(const CalibrationResult& result);
 
 }  // namespace rotunda::capture

@@ -62,10 +62,6 @@ std::string listed(const std::vector<std::string>& names) {
   return fmt::format("{} and {}", fmt::join(names.begin(), names.end() - 1, ", "), names.back());
 }
 
-std::string times(int count) {
-  return count == 1 ? "once" : fmt::format("{} times", count);
-}
-
 // "cam07 saw the board 4 times, all in the lower left: show it upper right, nearer than 2 m".
 std::string seen_where(const std::string& name, const CameraQuality& quality) {
   const auto& coverage = quality.coverage;
@@ -73,7 +69,7 @@ std::string seen_where(const std::string& name, const CameraQuality& quality) {
   if (quality.views == 0)
     return fmt::format(
         "{}: no board it saw agrees with what the others saw: show it the board anew, all over its picture", name);
-  std::string text = fmt::format("{} saw the board {}", name, times(quality.views));
+  std::string text = fmt::format("{} saw the board {}", name, in_times(static_cast<std::size_t>(quality.views)));
   if (where.size() <= 3) text += fmt::format(", all {} {}", where.size() == 1 ? "in the" : "in", listed(where));
   text += ": show it ";
   text += missing.empty() ? "more often, in the corners of its picture" : listed(missing);
@@ -138,7 +134,7 @@ void judge_residuals(const std::string& name, double misfits, CameraQuality& qua
   if (quality.held_out_rms_px > kHeldOutGrows * quality.rms_px + 0.05) {
     quality.verdict = worse(quality.verdict, Verdict::usable);
     quality.advice.push_back(
-        fmt::format("{}: at moments that took no part it is {:.2f} px off instead of {:.2f}: show "
+        fmt::format("{}: at what took no part it is {:.2f} px off instead of {:.2f}: show "
                     "the board at more places",
                     name, quality.held_out_rms_px, quality.rms_px));
   }

@@ -21,20 +21,10 @@ using Poses = std::vector<Eigen::Isometry3d>;
 // Everything about one sighting that placing needs.
 struct Posed {
   const Sighting* sighting;
-  Poses camera_from_board;  // one or two
+  Poses camera_from_board;        // one or two
+  std::vector<double> distances;  // of what each of them shows from what was seen
 };
 using PosedByCamera = std::vector<std::map<BoardKey, Posed>>;
-
-PosedByCamera pose_all(std::span<const CameraModel> cameras, std::span<const Sighting> sightings,
-                       std::span<const Board> boards) {
-  PosedByCamera posed(cameras.size());
-  for (const auto& sighting : sightings) {
-    if (sighting.camera >= cameras.size()) continue;
-    auto poses = camera_from_board(cameras[sighting.camera], sighting, boards[sighting.board]);
-    if (!poses.empty()) posed[sighting.camera][{sighting.moment, sighting.board}] = {&sighting, std::move(poses)};
-  }
-  return posed;
-}
 
 // Mean distance of the sighting's corners from where a pose puts them, in shares of the picture's longer side.
 double distance(const CameraModel& camera, const Sighting& sighting, const Board& board,
@@ -50,6 +40,21 @@ double distance(const CameraModel& camera, const Sighting& sighting, const Board
     sum += std::min(off, kFarOff);
   }
   return sum / static_cast<double>(sighting.corners.size());
+}
+
+PosedByCamera pose_all(std::span<const CameraModel> cameras, std::span<const Sighting> sightings,
+                       std::span<const Board> boards) {
+  PosedByCamera posed(cameras.size());
+  for (const auto& sighting : sightings) {
+    if (sighting.camera >= cameras.size()) continue;
+    auto poses = camera_from_board(cameras[sighting.camera], sighting, boards[sighting.board]);
+    if (poses.empty()) continue;
+    std::vector<double> distances;
+    for (const auto& pose : poses)
+      distances.push_back(distance(cameras[sighting.camera], sighting, boards[sighting.board], pose));
+    posed[sighting.camera][{sighting.moment, sighting.board}] = {&sighting, std::move(poses), std::move(distances)};
+  }
+  return posed;
 }
 
 // The same pose of a board that is listed from its other end.
@@ -84,13 +89,16 @@ std::vector<Shared> some_of(const std::vector<Shared>& all) {
   return some;
 }
 
-// How far b's corners are from where a's poses and the relative pose put them; the better of a plane's two poses.
+// How far b's corners are from where a's poses and the relative pose put them; the better of a plane's two poses. How
+// far a's own are counts too: of a single board one pair of poses shows b as well as any other.
 double transferred(const Shared& shared, const Eigen::Isometry3d& b_from_a, const CameraModel& b,
                    std::span<const Board> boards) {
   double best = kFarOff;
-  for (const auto& pose : shared.in_a->camera_from_board)
+  const auto& a = *shared.in_a;
+  for (std::size_t i = 0; i < a.camera_from_board.size(); ++i)
     best = std::min(
-        best, distance_either_way(b, *shared.in_b->sighting, boards[shared.in_b->sighting->board], b_from_a * pose));
+        best, a.distances[i] + distance_either_way(b, *shared.in_b->sighting, boards[shared.in_b->sighting->board],
+                                                   b_from_a * a.camera_from_board[i]));
   return best;
 }
 

@@ -62,19 +62,22 @@ CameraModel pinhole(CameraModel camera, double f) {
   return camera;
 }
 
+// `second`: bit i says that of the two poses of view i the second is meant.
 std::optional<CameraStart> adjusted(const CameraModel& start, std::span<const Sighting> sightings,
-                                    std::span<const Board> boards) {
+                                    std::span<const Board> boards, std::size_t fewest, unsigned second = 0) {
   RigState state;
   state.cameras = {start};
   std::vector<Sighting> own;
-  for (auto sighting : sightings) {
+  for (std::size_t i = 0; i < sightings.size(); ++i) {
+    Sighting sighting = sightings[i];
     const auto poses = camera_from_board(start, sighting, boards[sighting.board]);
     if (poses.empty()) continue;
     sighting.camera = 0;
-    state.world_from_board[{sighting.moment, sighting.board}] = poses.front();
+    const bool is_second = i < kFewestViews && (second >> i & 1U) != 0;
+    state.world_from_board[{sighting.moment, sighting.board}] = is_second ? poses.back() : poses.front();
     own.push_back(std::move(sighting));
   }
-  if (own.size() < kFewestViews) return std::nullopt;
+  if (own.size() < fewest) return std::nullopt;
   const auto report = adjust(state, own, boards, {.rounds = 4});
   return CameraStart{state.cameras.front(), report.noise_px};
 }
@@ -113,15 +116,19 @@ std::vector<Eigen::Isometry3d> camera_from_board(const CameraModel& camera, cons
 }
 
 std::optional<CameraStart> start_camera(const CameraModel& camera, std::span<const Sighting> sightings,
-                                        std::span<const Board> boards) {
-  if (sightings.size() < kFewestViews) return std::nullopt;
+                                        std::span<const Board> boards, std::size_t fewest) {
+  if (sightings.size() < fewest) return std::nullopt;
   const auto few = a_few(sightings);
-  auto best = adjusted(pinhole(camera, closed_form(camera, few, boards)), few, boards);
-  if (best && best->noise_px < kSettled) return best;
-  for (const double share : kFocalLengths) {
-    const auto other = adjusted(pinhole(camera, share * std::max(camera.width, camera.height)), few, boards);
-    if (other && (!best || other->noise_px < best->noise_px)) best = other;
-  }
+  auto best = adjusted(pinhole(camera, closed_form(camera, few, boards)), few, boards, fewest);
+  if (best && best->noise_px < kSettled && sightings.size() >= kFewestViews) return best;
+  // Few views bear with a wrong one of a plane's two poses, and a focal length to suit it.
+  const unsigned choices = few.size() < kFewestViews ? 1U << few.size() : 1U;
+  for (const double share : kFocalLengths)
+    for (unsigned second = 0; second < choices; ++second) {
+      const auto other =
+          adjusted(pinhole(camera, share * std::max(camera.width, camera.height)), few, boards, fewest, second);
+      if (other && (!best || other->noise_px < best->noise_px)) best = other;
+    }
   return best;
 }
 

@@ -7,16 +7,16 @@
 
 namespace rotunda::capture {
 
-inline constexpr std::size_t kFewestViews = 3;  // of a camera whose intrinsics are sought
+inline constexpr std::size_t kFewestViews = 3;  // that tell a lens; from fewer it is mostly what lenses are like
 
 struct CameraStart {
   CameraModel camera;     // at the origin of its own frame
   double noise_px = 0.0;  // as far as its own boards can tell
 };
 
-// `camera`: name and size filled; the sightings are all of this camera's. Nothing with fewer than kFewestViews.
+// `camera`: name and size filled; the sightings are all of this camera's. Nothing with fewer than `fewest`.
 std::optional<CameraStart> start_camera(const CameraModel& camera, std::span<const Sighting> sightings,
-                                        std::span<const Board> boards);
+                                        std::span<const Board> boards, std::size_t fewest = kFewestViews);
 
 // The board's poses in the camera that explain one sighting: a plane has two, nearly alike where it is small or far
 // (Schweighofer, Pinz 2006); the better first. Empty if there is none.

@@ -10,6 +10,8 @@
 #include <opencv2/core/eigen.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "capture/calibration/square_lattice.h"
+
 namespace rotunda::capture {
 namespace {
 
@@ -103,7 +105,7 @@ Grid at_full_size(Grid corners) {
 }
 
 // Most boards are large enough at half the size, where telling that there is none takes a tenth of the time. At full
-// size boards are sought only where squares enough are to be seen.
+// size boards are sought only where squares enough are to be seen. What these find too small is told by its squares.
 std::optional<Grid> find_chessboard(const cv::Mat& grey, const cv::Size& inner) {
   Grid corners;
   constexpr int kFlags = cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE | cv::CALIB_CB_FAST_CHECK;
@@ -112,10 +114,11 @@ std::optional<Grid> find_chessboard(const cv::Mat& grey, const cv::Size& inner) 
   if (cv::findChessboardCorners(half, inner, corners, kFlags)) return at_full_size(std::move(corners));
   if (cv::findChessboardCornersSB(half, inner, corners, cv::CALIB_CB_NORMALIZE_IMAGE))
     return at_full_size(std::move(corners));
-  if (!cv::checkChessboard(half, inner) && !cv::checkChessboard(grey, inner)) return std::nullopt;
-  if (cv::findChessboardCorners(grey, inner, corners, kFlags)) return corners;
-  if (cv::findChessboardCornersSB(grey, inner, corners, cv::CALIB_CB_NORMALIZE_IMAGE)) return corners;
-  return std::nullopt;
+  if (cv::checkChessboard(half, inner) || cv::checkChessboard(grey, inner)) {
+    if (cv::findChessboardCorners(grey, inner, corners, kFlags)) return corners;
+    if (cv::findChessboardCornersSB(grey, inner, corners, cv::CALIB_CB_NORMALIZE_IMAGE)) return corners;
+  }
+  return find_square_lattice(grey, inner);
 }
 
 // The ways in which a grid may have been listed: as found, from the other end, each with its rows the other way about.

@@ -83,8 +83,8 @@ void tell(const CalibrationResult& result) {
                quality.p95_px, quality.held_out_rms_px, 1e3 * quality.deviation.centre, quality.deviation.rotation_deg,
                100.0 * quality.coverage.outermost_radius);
   }
-  fmt::print("all: rms {:.3f} px, p95 {:.3f} px, held out {:.3f} px at {} moments; {} corners, {} left out\n",
-             result.rms_px, result.p95_px, result.held_out_rms_px, result.held_out_moments, result.corners,
+  fmt::print("all: rms {:.3f} px, p95 {:.3f} px, held out {:.3f} px {}; {} corners, {} left out\n",
+             result.rms_px, result.p95_px, result.held_out_rms_px, held_out_where(result), result.corners,
              result.outliers);
   fmt::print("world: {}\n", result.world);
   for (const auto& problem : result.problems) fmt::print("problem: {}\n", problem);
@@ -116,7 +116,7 @@ capture::CalibrateOptions options_of(const PicturesRequest& request) {
     if (boards.size() == 1 && boards.front().name == "board") boards.front().name = file.stem().string();
     options.boards.insert(options.boards.end(), boards.begin(), boards.end());
   }
-  if (!request.intrinsics.empty()) options.known = capture::read_calibration(request.intrinsics);
+  if (!request.intrinsics.empty()) options.known = capture::read_lenses(request.intrinsics);
   options.world_from = request.world_from;
   options.bend = request.bend;
   auto bar = std::make_shared<std::unique_ptr<Progress>>();
@@ -192,7 +192,7 @@ void add_picture_options(CLI::App& calibrate, PicturesRequest& request) {
   calibrate.add_option("--report", request.report, "write a report with pictures (HTML)");
   calibrate.add_option("--world-from", request.world_from,
                        "the world is this camera's frame (else the board that lay on the floor is its origin)");
-  calibrate.add_option("--intrinsics", request.intrinsics, "keep K and distortion of this calibration.yaml");
+  calibrate.add_option("--intrinsics", request.intrinsics, "keep K and distortion of this calibration.yaml (R and t may be absent)");
   calibrate.add_flag("--bend", request.bend, "the board may sag: find by how much");
 }
 

@@ -87,7 +87,10 @@ TEST_F(CalibrationOfPictures, TooLittleIsRefusedAndNothingWritten) {
   };
   for (int moment = 2; moment < moments_; ++moment)
     for (const auto* camera : {"cam00", "cam01"}) fs::remove(picture_file(camera, moment));
-  refused("there are 2 moments");
+  const auto doubted = calibrate({});
+  EXPECT_EQ(doubted.exit_code, 3) << doubted.err;
+  EXPECT_THAT(doubted.out, HasSubstr("no camera saw the board more than twice")) << doubted.err;
+  EXPECT_FALSE(fs::exists(out_));
   for (int moment = 2; moment < moments_; ++moment)
     for (const auto* camera : {"cam00", "cam01"})
       write(camera, moment, cv::Mat(kHeight, kWidth, CV_8UC1, cv::Scalar(99)));

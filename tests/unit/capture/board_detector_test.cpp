@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "capture/calibration/square_lattice.h"
 #include "config/errors.h"
 #include "tests/support/board_scene.h"
 
@@ -75,6 +76,42 @@ TEST(BoardDetector, KnowsABoardThatStandsOnItsHead) {
     EXPECT_GE(errors.found, corner_count(board) - 1);
     EXPECT_LT(errors.worst, 0.2);  // listed from the other end they would be off by the board's size
   }
+}
+
+// On the floor at the far side of a room, white washed out: squares of 19 x 6 pixels, some 11 x 4. Lens and noise as
+// before.
+TEST(BoardDetector, FindsSmallBoardsThatLieFlat) {
+  const Board board{
+      .name = "floor", .type = BoardType::chessboard, .columns = 9, .rows = 7, .square = 0.115, .marker = 0.0};
+  auto camera = tests::camera_at("room", {3.4, 0.0, 1.3}, {0.0, 0.0, 0.6}, 640, 480, 480.0);
+  camera.distortion << -0.30, 0.08, 0.001, -0.0005, 0.0;
+  const BoardDetector detector({board});
+  for (const double turn : {0.0, 0.5, 0.9, 1.57}) {
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+    pose.linear() = Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+    const auto found = detector.detect(
+        tests::board_picture(camera, detector.print(0), pose, {.blur_px = 0.8, .noise = 3.0, .white = 1.2}));
+    ASSERT_EQ(found.size(), 1U) << turn;
+    EXPECT_GE(found[0].corners.size(), 20U) << turn;
+    const auto positions = corner_positions(board);
+    for (const auto& corner : found[0].corners) {
+      const auto place = positions[static_cast<std::size_t>(corner.corner)];
+      // Of a board that looks the same upside down either end may come first.
+      const double off = std::min((corner.pixel - *project(camera, pose * place)).norm(),
+                                  (corner.pixel - *project(camera, pose * -place)).norm());
+      EXPECT_LT(off, 0.5) << turn << " corner " << corner.corner;
+    }
+  }
+}
+
+TEST(BoardDetector, TakesNoPartOfALargerBoardForASmallOne) {
+  const BoardPrint print(
+      Board{.name = "large", .type = BoardType::chessboard, .columns = 11, .rows = 8, .square = 0.115, .marker = 0.0});
+  const auto camera = tests::camera_at("room", {3.4, 0.0, 1.3}, {0.0, 0.0, 0.6}, 640, 480, 480.0);
+  const auto picture = tests::board_picture(camera, print, Eigen::Isometry3d::Identity(), {.noise = 2.0});
+  EXPECT_TRUE(find_square_lattice(picture, {10, 7}).has_value());
+  for (const cv::Size inner : {cv::Size(8, 6), cv::Size(9, 7), cv::Size(10, 6), cv::Size(6, 5)})
+    EXPECT_FALSE(find_square_lattice(picture, inner).has_value()) << inner;
 }
 
 TEST(BoardDetector, FindsNothingWhereNothingIs) {

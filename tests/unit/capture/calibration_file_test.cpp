@@ -167,6 +167,19 @@ TEST_F(CalibrationFileTest, MakesARoundedRotationOrthonormal) {
   EXPECT_NEAR(R(0, 0), 0.6, 2e-4);
 }
 
+TEST_F(CalibrationFileTest, LensesAloneNeedNoPoses) {
+  const std::string lens =
+      "cameras:\n  - name: cam00\n    image_size: [64, 48]\n    K: [50, 0, 31, 0, 53, 23, 0, 0, 1]\n";
+  store(lens);
+  EXPECT_THROW(read_calibration(file_), ConfigError);
+  const auto lenses = read_lenses(file_);
+  ASSERT_EQ(lenses.size(), 1U);
+  EXPECT_EQ(lenses[0].K(1, 1), 53.0);
+  EXPECT_TRUE(lenses[0].R.isIdentity(0.0) && lenses[0].t.isZero(0.0));
+  store(lens + "    t: [0, 0, 1]\n");  // half a pose is a mistake
+  EXPECT_THROW(read_lenses(file_), ConfigError);
+}
+
 TEST_F(CalibrationFileTest, NamesTheMistake) {
   const std::tuple<const char*, const char*, const char*> mistakes[] = {
       {"name", "", "cameras[0].name: is missing"},
