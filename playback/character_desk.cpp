@@ -13,10 +13,9 @@ namespace {
 
 constexpr double kTurn = std::numbers::pi / 12.0;  // of the character, a key press
 constexpr double kFaster = 0.2;                    // m/s a key press
-constexpr double kSlowMotion = 0.25;
-constexpr std::size_t kRemembered = 1500;  // pictures: 25 seconds at sixty a second
-constexpr double kSameSpeed = 0.15;        // m/s
-constexpr double kSameWay = 0.05;          // radians
+constexpr std::size_t kRemembered = 1500;          // pictures: 25 seconds at sixty a second
+constexpr double kSameSpeed = 0.15;                // m/s
+constexpr double kSameWay = 0.05;                  // radians
 
 std::vector<std::string> choices_of(const recon::MotionGraph& graph) {
   std::vector<std::string> choices;
@@ -48,7 +47,6 @@ void CharacterDesk::change_speed(CharacterPlayer& player, double change) {
 
 // Forwards through what was seen already, then on by a frame.
 void CharacterDesk::step(CharacterPlayer& player, int pictures) {
-  frozen_ = true;
   if (pictures < 0) {
     back_ = std::min(back_ + 1, seen_.empty() ? 0 : seen_.size() - 1);
   } else if (back_ > 0) {
@@ -59,68 +57,34 @@ void CharacterDesk::step(CharacterPlayer& player, int pictures) {
   }
 }
 
-void CharacterDesk::press(Key key, CharacterPlayer& player, Orbit& orbit) {
-  switch (key) {
-    case Key::left:
-      return player.command({.turn = kTurn});
-    case Key::right:
-      return player.command({.turn = -kTurn});
-    case Key::up:
-      return change_speed(player, kFaster);
-    case Key::down:
-      return change_speed(player, -kFaster);
-    case Key::plus:
-    case Key::minus:
-      return zoom_by_key(key, orbit);
-    case Key::next:
-      return step(player, 1);
-    case Key::previous:
-      if (frozen_) return step(player, -1);
-      slow_ = !slow_;
-      return;
-    case Key::space:
-      frozen_ = !frozen_;
-      return;
-    case Key::home: {
-      const auto target = orbit.target;
-      orbit = front_;
-      orbit.target.head<2>() = target.head<2>();
-      follows_ = home_ = true;
-      return;
-    }
-    case Key::grey:
-      draw_.shading = draw_.shading == Shading::grey ? Shading::colour : Shading::grey;
-      return;
-    case Key::pictures:
-      return;
-    case Key::map:
-      map_ = !map_;
-      return;
-    case Key::follow:
-      follows_ = !follows_;
-      return;
-    case Key::help:
-      help_ = !help_;
-      return;
-    case Key::quit:
-      ended_ = true;
-      return;
-  }
+void CharacterDesk::go_home(Orbit& orbit) {
+  const auto target = orbit.target;
+  orbit = front_;
+  orbit.target.head<2>() = target.head<2>();
+  home_ = true;
 }
 
-void CharacterDesk::press(Button button, CharacterPlayer& player) {
-  switch (button) {
-    case Button::a:
-    case Button::b:
-    case Button::x:
-    case Button::y:
-      return choose(static_cast<std::size_t>(button), player);
-    case Button::start:
-      frozen_ = !frozen_;
+void CharacterDesk::press_own(Key key, CharacterPlayer& player) {
+  if (key == Key::left) player.command({.turn = kTurn});
+  if (key == Key::right) player.command({.turn = -kTurn});
+  if (key == Key::up) change_speed(player, kFaster);
+  if (key == Key::down) change_speed(player, -kFaster);
+  if (key == Key::map) map_ = !map_;
+}
+
+void CharacterDesk::press(Key key, CharacterPlayer& player, Orbit& orbit) {
+  switch (keys_.press(key, orbit)) {
+    case Pressed::done:
+    case Pressed::follow:
       return;
-    case Button::back:
-      help_ = !help_;
-      return;
+    case Pressed::step_on:
+      return step(player, 1);
+    case Pressed::step_back:
+      return step(player, -1);
+    case Pressed::home:
+      return go_home(orbit);
+    case Pressed::own:
+      return press_own(key, player);
   }
 }
 
@@ -142,16 +106,17 @@ void CharacterDesk::push_stick(const Gamepad& pad, const Orbit& orbit, Character
 void CharacterDesk::apply(const WindowInput& input, CharacterPlayer& player, Orbit& orbit, double seconds) {
   for (const Key key : input.keys) press(key, player, orbit);
   for (const int digit : input.digits) choose(static_cast<std::size_t>(digit - 1), player);
-  for (const Button button : input.buttons) press(button, player);
+  for (const Button button : input.buttons)
+    if (keys_.press(button) == Pressed::own) choose(static_cast<std::size_t>(button), player);
   if (input.gamepad) push_stick(*input.gamepad, orbit, player);
   move_eye(input, orbit, seconds);
   shift_ += Eigen::Vector2d(input.shift_x, input.shift_y);
 }
 
 const Appearance& CharacterDesk::go_on(CharacterPlayer& player, double seconds) {
-  if (!frozen_) {
+  if (!keys_.frozen()) {
     back_ = 0;
-    player.advance(seconds * (slow_ ? kSlowMotion : 1.0));
+    player.advance(seconds * keys_.pace());
     seen_.push_back(player.appearance());
   }
   if (seen_.empty()) seen_.push_back(player.appearance());
@@ -166,18 +131,12 @@ Eigen::Vector2d CharacterDesk::take_shift() {
 std::vector<std::string> CharacterDesk::lines(const CharacterPlayer& player, const std::string& rate) const {
   std::string first = player.doing();
   if (player.doing() != player.wanted()) first += " > " + player.wanted();
-  if (frozen_) first += back_ > 0 ? fmt::format("   frozen, {} back", back_) : "   frozen";
-  std::vector<std::string> lines{first + "   " + rate};
-  if (!help_) return lines;
-  for (std::size_t i = 0; i < choices_.size() && i < 9; ++i) lines.push_back(fmt::format("{}  {}", i + 1, choices_[i]));
-  for (const char* line :
-       {"left, right  turn    up, down  faster, slower", "mouse  look round, right button  shift, wheel or + -  zoom",
-        "space  freeze, then  , .  step back and on", ",  slow motion    f  follow or not    Home  from the front",
-        "g  grey    m  map    F1  this help    q  end",
-        "gamepad  left stick  where to and how fast, right stick  look round,",
-        "    triggers  zoom, A B X Y  as 1 to 4"})
-    lines.emplace_back(line);
-  return lines;
+  if (back_ > 0) first += fmt::format("   {} back", back_);
+  std::vector<std::string> keys;
+  for (std::size_t i = 0; i < choices_.size() && i < 9; ++i) keys.push_back(fmt::format("{}  {}", i + 1, choices_[i]));
+  keys.emplace_back("left, right  turn    up, down  faster, slower    m  map");
+  keys.emplace_back("gamepad  left stick  where to and how fast, A B X Y  as 1 to 4");
+  return keys_.lines(std::move(first), rate, std::move(keys));
 }
 
 }  // namespace rotunda::playback

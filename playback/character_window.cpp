@@ -12,13 +12,10 @@
 #include "playback/graph_map.h"
 #include "playback/picture_clock.h"
 #include "playback/render/overlay.h"
+#include "playback/render/stage.h"
 
 namespace rotunda::playback {
-namespace {
-
-constexpr recon::Colour kBackground{24, 26, 30};
-
-}  // namespace
+namespace {}  // namespace
 
 CharacterPlayReport play_character(const std::filesystem::path& character, const recon::MotionGraph& graph,
                                    const PlayOptions& options) {
@@ -50,7 +47,7 @@ CharacterPlayReport play_character(const std::filesystem::path& character, const
     }
     if (window.width() > 0 && window.height() > 0) {
       window.bind();
-      view.draw(seen, window.width(), window.height(), {kBackground, true, desk.draw(), clock.coarser()});
+      view.draw(seen, window.width(), window.height(), {kDarkRoom, true, desk.draw(), clock.coarser()});
       overlay.draw(text_card(desk.lines(player, clock.told())), 12, 12, window.width(), window.height());
       if (desk.shows_map()) overlay.draw(map, window.width() - map.cols - 12, 12, window.width(), window.height());
     }

@@ -5,11 +5,11 @@
 #include <opencv2/imgproc.hpp>
 
 #include "playback/display/headless.h"
+#include "playback/render/stage.h"
 
 namespace rotunda::playback {
 namespace {
 
-constexpr recon::Colour kBackground{24, 26, 30};
 constexpr double kFollow_s = 0.5;       // the eye's time constant
 constexpr double kMostSideShare = 0.4;  // of the view's width
 constexpr int kGap = 4;                 // pixels between pictures
@@ -78,7 +78,7 @@ void LiveStage::look_from_front() {
 
 void LiveStage::draw(int width, int height) {
   glViewport(0, 0, width, height);
-  clear(kBackground);
+  clear(kDarkRoom);
   const auto places = side_places(sides_, width, height);
   int room = width;
   for (const auto& place : places) room = std::min(room, place.x - kGap);

@@ -2,18 +2,13 @@
 // What keys, mouse and gamepad do to a take that is played, and what the screen says of it. No window and no GL: input
 // comes as values, so tests play as hands do. Frames are counted from 0 and may be a fraction; seconds, metres.
 //
-// Keys: space freezes, then , and . step a frame; , else plays a quarter as fast; 1 to 9 go to so many tenths; arrows
-// and the dragged mouse go round, with the right button it shifts the picture; the wheel and + - zoom; f follows the
-// performer or lets go; Home looks from the front; v the colours of the cameras' own pictures or the stored ones; g
-// grey; F1 help; q or Esc ends. Gamepad: the left stick winds on and back, the right one goes round; triggers zoom;
-// Start freezes; X the pictures; Back shows help.
+// Beside the keys of every such window (playing_keys.h): 1 to 9 go to so many tenths; arrows go round; v the colours of
+// the cameras' own pictures or the stored ones. Gamepad: the left stick winds on and back; X the pictures.
 #include <Eigen/Core>
 #include <string>
 #include <vector>
 
-#include "playback/display/window_input.h"
-#include "playback/render/view_program.h"
-#include "playback/viewpoint.h"
+#include "playback/playing_keys.h"
 
 namespace rotunda::playback {
 
@@ -35,16 +30,15 @@ class TakeDesk {
 
   double at() const { return at_; }
   const Orbit& orbit() const { return orbit_; }
-  const DrawOptions& draw() const { return draw_; }
-  bool frozen() const { return frozen_; }
+  const DrawOptions& draw() const { return keys_.draw(); }
   bool shows_pictures() const { return pictures_; }
-  bool ended() const { return ended_; }
+  bool ended() const { return keys_.ended(); }
   // Frame, rate of pictures and, if asked for, the keys.
   std::vector<std::string> lines(const std::string& rate) const;
 
  private:
   void press(Key key);
-  void press(Button button);
+  void go_home();
   void step(int frames);
   void wind(double frames);
   void toggle_pictures();
@@ -54,9 +48,9 @@ class TakeDesk {
   Orbit front_, orbit_;
   Eigen::Vector3d performer_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d beside_ = Eigen::Vector3d::Zero();  // of the performer, where the eye looks
-  DrawOptions draw_;
+  PlayingKeys keys_;
   double at_ = 0.0, before_ = 0.0;
-  bool frozen_ = false, slow_ = false, pictures_ = false, help_ = false, follows_ = true, ended_ = false;
+  bool pictures_ = false;
 };
 
 }  // namespace rotunda::playback

@@ -8,7 +8,6 @@
 namespace rotunda::playback {
 namespace {
 
-constexpr recon::Colour kBackground{24, 26, 30};
 constexpr int kShadowLevel = 6;         // of the lattice: a shadow is soft
 constexpr float kNearTheFloor = 0.15F;  // metres
 
@@ -33,9 +32,9 @@ void TakeView::show(const recon::GeometryImage& image, std::span<const SourceVie
 
 void TakeView::draw(const Viewpoint& viewpoint, const Eigen::Vector3d& performer, const DrawOptions& options,
                     int coarser) {
-  clear(kBackground);
+  clear(kDarkRoom);
   if (has_floor_.value_or(false))
-    stage_.draw(viewpoint, {.place = performer.head<2>(), .background = kBackground}, [&](const Viewpoint& above) {
+    stage_.draw(viewpoint, {.place = performer.head<2>(), .background = kDarkRoom}, [&](const Viewpoint& above) {
       stored_.draw(above, {.shading = Shading::colour, .cull = false}, std::min(kShadowLevel, level_));
     });
   if (in_pictures_ && options.shading == Shading::colour)

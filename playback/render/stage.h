@@ -11,6 +11,8 @@
 
 namespace rotunda::playback {
 
+inline constexpr recon::Colour kDarkRoom{24, 26, 30};  // behind what windows show
+
 struct StageOptions {
   Eigen::Vector2d place = Eigen::Vector2d::Zero();  // the disc's middle, metres
   double radius = 3.0;
