@@ -2,11 +2,11 @@
 // studio get wrong: corners, camera centres and rotations after rigid alignment, projections of points all over the
 // volume, time. Beside it OpenCV's own chain (its corners, calibrateCamera, stereoCalibrate from camera to camera) on
 // the same pictures, and what the adjustment's covariance expects.
-// usage: calibration_bench [--pictures DIR] [charuco|chessboard|carried ...]
 // --pictures: only writes the pictures, board.yaml and truth.yaml to DIR/SCENE, for a measurement of `rotunda calibrate
 // --images DIR/SCENE/images` as a whole program.
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <chrono>
@@ -177,15 +177,9 @@ std::vector<capture::Sighting> detected(const Scene& scene) {
 }
 
 void measure(const Scene& scene) {
-  capture::BoardPictures pictures;
-  for (const auto& camera : scene.truth) pictures.cameras.push_back(camera.name);
-  for (std::size_t i = 0; i < scene.poses.size(); ++i) pictures.moments.push_back(fmt::format("moment{:02}", i));
-  pictures.grey = [&](std::size_t camera, std::size_t moment) { return scene.grey[camera][moment]; };
-  capture::CalibrateOptions options;
-  options.boards = {scene.board};
   const auto begun = std::chrono::steady_clock::now();
   const double cpu = cpu_seconds();
-  const auto result = capture::calibrate(pictures, options);
+  const auto result = calibrated(scene);
   const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
   print(scene.name, "detector", corner_errors(detected(scene), scene));
   print(scene.name, "used", corner_errors(used_corners(result), scene));
@@ -232,13 +226,12 @@ Scene scene_called(const std::string& name) {
 
 int main(int argc, char** argv) {
   using namespace rotunda::bench;
-  std::vector<std::string> scenes(argv + 1, argv + argc);
+  CLI::App app("Calibration of rendered boards against the true rig, beside OpenCV's chain");
+  std::vector<std::string> scenes{"charuco", "chessboard", "carried"};
   std::filesystem::path pictures;
-  if (scenes.size() >= 2 && scenes[0] == "--pictures") {
-    pictures = scenes[1];
-    scenes.erase(scenes.begin(), scenes.begin() + 2);
-  }
-  if (scenes.empty()) scenes = {"charuco", "chessboard", "carried"};
+  app.add_option("SCENE", scenes, "charuco, chessboard, carried")->capture_default_str();
+  app.add_option("--pictures", pictures, "write the scenes' pictures there instead of calibrating");
+  CLI11_PARSE(app, argc, argv);
   for (const auto& name : scenes) {
     const auto scene = scene_called(name);
     if (pictures.empty())

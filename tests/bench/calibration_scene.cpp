@@ -1,8 +1,11 @@
 #include "tests/bench/calibration_scene.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
+#include "capture/calibration/calibrate.h"
 #include "capture/picture.h"
 #include "simulator/people/board_prop.h"
 #include "simulator/people/texture_atlas.h"
@@ -145,6 +148,16 @@ Scene show_carried(const std::vector<CameraModel>& cameras) {
   const simulator::CharucoPattern pattern;
   const Board board{.square = pattern.square, .marker = pattern.marker};
   return shown({.name = "carried", .board = board, .truth = cameras}, *performance, seconds);
+}
+
+capture::CalibrationResult calibrated(const Scene& scene) {
+  capture::BoardPictures pictures;
+  for (const auto& camera : scene.truth) pictures.cameras.push_back(camera.name);
+  for (std::size_t i = 0; i < scene.poses.size(); ++i) pictures.moments.push_back(fmt::format("moment{:02}", i));
+  pictures.grey = [&](std::size_t camera, std::size_t moment) { return scene.grey[camera][moment]; };
+  capture::CalibrateOptions options;
+  options.boards = {scene.board};
+  return capture::calibrate(pictures, options);
 }
 
 }  // namespace rotunda::bench

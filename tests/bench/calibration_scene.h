@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "capture/calibration/board.h"
+#include "capture/calibration/calibration_result.h"
 #include "capture/camera_model.h"
 
 namespace rotunda::bench {
@@ -28,5 +29,8 @@ Scene show_alone(const std::string& name, const capture::Board& board,
 // Sixty moments of the act "board": a person carries it through the volume and lays it on the floor. Before the same.
 Scene show_carried();
 Scene show_carried(const std::vector<capture::CameraModel>& cameras);
+
+// What the program makes of its pictures.
+capture::CalibrationResult calibrated(const Scene& scene);
 
 }  // namespace rotunda::bench

@@ -6,7 +6,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
-#include "capture/calibration/calibrate.h"
 #include "capture/calibration_file.h"
 #include "config/errors.h"
 #include "tests/bench/calibration_scene.h"
@@ -16,16 +15,6 @@ namespace {
 
 using capture::Board;
 using capture::CameraModel;
-
-capture::CalibrationResult calibrated(const Scene& scene) {
-  capture::BoardPictures pictures;
-  for (const auto& camera : scene.truth) pictures.cameras.push_back(camera.name);
-  for (std::size_t i = 0; i < scene.poses.size(); ++i) pictures.moments.push_back(fmt::format("moment{:02}", i));
-  pictures.grey = [&](std::size_t camera, std::size_t moment) { return scene.grey[camera][moment]; };
-  capture::CalibrateOptions options;
-  options.boards = {scene.board};
-  return capture::calibrate(pictures, options);
-}
 
 bool is_whole(const capture::CalibrationResult& result, const std::vector<CameraModel>& truth) {
   return result.cameras.size() == truth.size() && std::all_of(result.quality.begin(), result.quality.end(),
