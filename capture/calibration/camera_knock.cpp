@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -13,104 +12,22 @@
 #include <set>
 #include <utility>
 
+#include "capture/calibration/pose_evidence.h"
+
 namespace rotunda::capture {
 namespace {
-
-using Pose6 = Eigen::Matrix<double, 6, 1>;  // a turn and a shift of the camera in its own frame
-using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
 constexpr double kDisturbed = 2.0;   // noises, a view's median: worth a closer look
 constexpr double kLeastShift = 3.0;  // noises: less is in the residuals anyway
 // F(6, 6 n) of no knock passes 6 once in 10^4 with five views, 10^5 with ten; a split is tried between any two.
 constexpr double kCertain = 10.0;
-constexpr std::size_t kFewestStretch = 2;  // views before and after
-constexpr double kOtherPlace = 0.10;       // metres: boards nearer to each other stand in one place
-constexpr double kLeastKnock = 0.25;       // pixels: less is no knock, but what a board in motion misses
-constexpr double kOtherCornersOff = 5.0;   // pixels from the view's median: a wrong corner, not a knock
-constexpr double kOutlier = 3.0;           // noises: what is off further counts as this
+constexpr double kLeastKnock = 0.25;  // pixels: less is no knock, but what a board in motion misses
+constexpr double kOutlier = 3.0;      // noises: what is off further counts as this
 constexpr int kRounds = 2;
-constexpr double kSamePlace = 0.15;  // metres
-constexpr double kSameWay = 5.0;     // degrees
-
-CameraModel moved(CameraModel camera, const Pose6& by) {
-  const Eigen::Vector3d axis = by.head<3>();
-  if (axis.norm() > 0.0) {
-    const Eigen::Matrix3d turn = Eigen::AngleAxisd(axis.norm(), axis.normalized()).toRotationMatrix();
-    camera.R = Eigen::Matrix3d(turn * camera.R);
-    camera.t = Eigen::Vector3d(turn * camera.t);
-  }
-  camera.t += by.tail<3>();
-  return camera;
-}
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<long>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-// One view of the camera with what its corners say about the camera's pose.
-struct PoseEvidence {
-  std::size_t moment = 0;
-  Eigen::Vector3d board = Eigen::Vector3d::Zero();  // its middle
-  Matrix6 H = Matrix6::Zero();
-  Pose6 g = Pose6::Zero();
-  double squares = 0.0;
-  int corners = 0;
-};
-
-PoseEvidence evidence_of(const RigState& state, const Sighting& sighting, const Board& board) {
-  PoseEvidence evidence{.moment = sighting.moment,
-                        .board = state.world_from_board.at({sighting.moment, sighting.board}).translation()};
-  const auto positions = corner_positions(board);
-  const auto& world_from_board = state.world_from_board.at({sighting.moment, sighting.board});
-  std::vector<double> across, down;
-  std::vector<std::pair<Eigen::Vector2d, Eigen::Vector3d>> offs;
-  for (const auto& corner : sighting.corners) {
-    const auto& at = positions[static_cast<std::size_t>(corner.corner)];
-    const auto off = residual(state, sighting, corner, at);
-    if (!off) continue;
-    offs.emplace_back(*off, world_from_board * at);
-    across.push_back(off->x()), down.push_back(off->y());
-  }
-  const Eigen::Vector2d middle(median(across), median(down));
-  constexpr double kStep = 1e-6;
-  for (const auto& [off, world] : offs) {
-    if ((off - middle).norm() > kOtherCornersOff) continue;
-    Eigen::Matrix<double, 2, 6> J;
-    for (int i = 0; i < 6; ++i) {
-      const auto up = project(moved(state.cameras[sighting.camera], kStep * Pose6::Unit(i)), world);
-      const auto low = project(moved(state.cameras[sighting.camera], -kStep * Pose6::Unit(i)), world);
-      J.col(i) = up && low ? Eigen::Vector2d((*up - *low) / (2.0 * kStep)) : Eigen::Vector2d(Eigen::Vector2d::Zero());
-    }
-    evidence.H += J.transpose() * J;
-    evidence.g += J.transpose() * off;
-    evidence.squares += off.squaredNorm();
-    ++evidence.corners;
-  }
-  return evidence;
-}
-
-PoseEvidence sum_of(std::span<const PoseEvidence> all) {
-  PoseEvidence sum;
-  for (const auto& one : all) {
-    sum.H += one.H, sum.g += one.g;
-    sum.squares += one.squares;
-    sum.corners += one.corners;
-  }
-  return sum;
-}
-
-Pose6 solution(const PoseEvidence& evidence) {
-  const Matrix6 damped = evidence.H + 1e-9 * evidence.H.trace() * Matrix6::Identity();
-  return damped.ldlt().solve(evidence.g);
-}
-
-// What a pose of its own takes off the stretch's squares.
-double gain(const PoseEvidence& evidence) {
-  return evidence.g.dot(solution(evidence));
-}
+constexpr std::size_t kFewViews = 12;       // a camera: with more, a knock shows
+constexpr double kNumbersOfACamera = 15.0;  // a pose and a lens
+constexpr double kSamePlace = 0.15;         // metres
+constexpr double kSameWay = 5.0;            // degrees
 
 // The boards of this camera that others see too, posed by the others alone.
 RigState posed_by_others(const RigState& state, std::span<const Sighting> sightings, std::span<const Board> boards,
@@ -160,58 +77,6 @@ bool looks_disturbed(const RigState& state, std::span<const Sighting* const> vie
     if (median(distances) > limit) ++far_off;
   }
   return far_off >= kFewestStretch;
-}
-
-// The views after which a pose of its own for what follows helps most; 0: none.
-std::size_t best_split(const std::vector<PoseEvidence>& views) {
-  std::size_t best = 0;
-  double most = 0.0;
-  for (std::size_t i = kFewestStretch; i + kFewestStretch <= views.size(); ++i) {
-    if (views[i].moment == views[i - 1].moment) continue;
-    const double helps = gain(sum_of(std::span(views).first(i))) + gain(sum_of(std::span(views).subspan(i)));
-    if (helps <= most) continue;
-    most = helps;
-    best = i;
-  }
-  return best;
-}
-
-// What a stretch's own pose leaves that poses of the views' own would take off further.
-double disagreement(std::span<const PoseEvidence> views) {
-  const Pose6 x = solution(sum_of(views));
-  double sum = 0.0;
-  for (const auto& view : views) {
-    PoseEvidence rest = view;
-    rest.g -= view.H * x;
-    sum += gain(rest);
-  }
-  return sum;
-}
-
-// Fisher's F of two poses against one, views being what is drawn at random: six numbers a pose.
-double certainty_of(const std::vector<PoseEvidence>& views, std::size_t split, double noise_px) {
-  const std::span all(views);
-  const double helps = gain(sum_of(all.first(split))) + gain(sum_of(all.subspan(split))) - gain(sum_of(all));
-  const double freedom = static_cast<double>(views.size() - 2);
-  const double scatter = (disagreement(all.first(split)) + disagreement(all.subspan(split))) / freedom;
-  return helps / std::max(scatter, 6.0 * noise_px * noise_px);
-}
-
-// The same without the boards of any one place, whichever matters most: boards in one place are off by the same, and
-// would pass for so many witnesses.
-double certainty_without_any_place(const std::vector<PoseEvidence>& views, std::size_t split, double noise_px) {
-  const std::size_t first_after = views[split].moment;
-  double least = std::numeric_limits<double>::infinity();
-  for (const auto& left_out : views) {
-    std::vector<PoseEvidence> rest;
-    std::copy_if(views.begin(), views.end(), std::back_inserter(rest),
-                 [&](const auto& view) { return (view.board - left_out.board).norm() > kOtherPlace; });
-    const auto before = static_cast<std::size_t>(
-        std::count_if(rest.begin(), rest.end(), [&](const auto& view) { return view.moment < first_after; }));
-    if (rest.size() < 3 || before == 0 || before == rest.size()) return 0.0;
-    least = std::min(least, certainty_of(rest, before, noise_px));
-  }
-  return least;
 }
 
 // The camera's pose by some views alone, boards held (Gauss-Newton).
@@ -276,7 +141,8 @@ struct Trial {
 
 // The camera as two: as it stood before and, numbered behind all others, afterwards.
 Trial try_camera(std::size_t camera, std::size_t first_after, const RigState& state,
-                 std::span<const Sighting> sightings, std::span<const Board> boards, double noise_px) {
+                 std::span<const Sighting> sightings, std::span<const Board> boards, double noise_px,
+                 bool keep_intrinsics) {
   Trial trial;
   const RigState posed = posed_by_others(state, sightings, boards, camera);
   const auto views = views_of(posed, sightings, camera);
@@ -291,7 +157,7 @@ Trial try_camera(std::size_t camera, std::size_t first_after, const RigState& st
   std::vector<Sighting> theirs(sightings.begin(), sightings.end());
   for (auto& sighting : theirs)
     if (sighting.camera == camera && sighting.moment >= first_after) sighting.camera = state.cameras.size();
-  adjust(rig, theirs, boards, {.keep_intrinsics = true, .rounds = kRounds});
+  adjust(rig, theirs, boards, {.keep_intrinsics = keep_intrinsics, .rounds = kRounds});
   trial.misfit = misfit_of(rig, theirs, boards, noise_px);
   trial.knock.camera = camera;
   trial.knock.last_before = views[split - 1]->moment;
@@ -313,6 +179,38 @@ std::optional<std::size_t> who_stood_there(const RigState& state, const CameraMo
   return std::nullopt;
 }
 
+bool is_large_enough(const Knock& knock, double noise_px) {
+  return knock.shift_px > std::max(kLeastKnock, kLeastShift * noise_px);
+}
+
+// With few boards the cameras' poses and lenses give way to a knock until no view looks odd. Each place it may have
+// happened is then tried with everything free. Views are what is drawn at random: six numbers each.
+std::optional<Knock> found_by_trying(const RigState& state, std::span<const Sighting> sightings,
+                                     std::span<const Board> boards, double noise_px) {
+  std::vector<std::pair<std::size_t, std::size_t>> places;  // camera, first moment after
+  std::size_t all_views = 0;
+  for (std::size_t camera = 0; camera < state.cameras.size(); ++camera) {
+    const auto views = views_of(state, sightings, camera);
+    all_views += views.size();
+    if (views.size() > kFewViews) continue;
+    for (std::size_t i = kFewestStretch; i + kFewestStretch <= views.size(); ++i)
+      if (views[i]->moment != views[i - 1]->moment) places.emplace_back(camera, views[i]->moment);
+  }
+  if (places.empty()) return std::nullopt;
+  RigState still = state;
+  adjust(still, sightings, boards, {.rounds = kRounds});
+  const double misfit = misfit_of(still, sightings, boards, noise_px);
+  std::vector<Trial> trials(places.size());
+  tbb::parallel_for(std::size_t{0}, places.size(), [&](std::size_t i) {
+    trials[i] = try_camera(places[i].first, places[i].second, state, sightings, boards, noise_px, false);
+  });
+  auto& best =
+      *std::min_element(trials.begin(), trials.end(), [](const auto& a, const auto& b) { return a.misfit < b.misfit; });
+  const double certainty = (misfit / best.misfit - 1.0) * 6.0 * static_cast<double>(all_views) / kNumbersOfACamera;
+  if (certainty > kCertain && is_large_enough(best.knock, noise_px)) return std::move(best.knock);
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::optional<Knock> find_knock(const RigState& state, std::span<const Sighting> sightings,
@@ -323,15 +221,16 @@ std::optional<Knock> find_knock(const RigState& state, std::span<const Sighting>
   });
   const auto surest = std::max_element(suspicions.begin(), suspicions.end(),
                                        [](const auto& a, const auto& b) { return a.certainty < b.certainty; });
-  if (surest == suspicions.end() || !(surest->certainty > kCertain)) return std::nullopt;
+  if (surest == suspicions.end() || !(surest->certainty > kCertain))
+    return found_by_trying(state, sightings, boards, noise_px);
   std::vector<Trial> trials(state.cameras.size());
   tbb::parallel_for(std::size_t{0}, trials.size(), [&](std::size_t camera) {
-    trials[camera] = try_camera(camera, surest->first_after, state, sightings, boards, noise_px);
+    trials[camera] = try_camera(camera, surest->first_after, state, sightings, boards, noise_px, true);
   });
   auto& best =
       *std::min_element(trials.begin(), trials.end(), [](const auto& a, const auto& b) { return a.misfit < b.misfit; });
-  if (!(best.knock.shift_px > std::max(kLeastKnock, kLeastShift * noise_px))) return std::nullopt;
-  return std::move(best.knock);
+  if (is_large_enough(best.knock, noise_px)) return std::move(best.knock);
+  return std::nullopt;
 }
 
 std::string in_words(const Knock& knock, const RigState& state, std::span<const std::string> moments) {

@@ -20,7 +20,9 @@ struct Knock {
 // how much a camera's views disagree without any knock (Fisher's F over views): that holds the corners' noise as well
 // as what lens and board model miss. Boards are posed by all cameras together, so the neighbours of a knocked one
 // disagree too: every camera is then given a second pose in turn, everything adjusted anew with the intrinsics held,
-// and the one that leaves the least is named. Nothing if all stood still as far as can be told.
+// and the one that leaves the least is named. Where cameras saw few boards, a knock hides in lenses and poses: there
+// every place it may have happened is tried, lenses free, and must better the whole rig. Nothing if all stood still as
+// far as can be told.
 std::optional<Knock> find_knock(const RigState& state, std::span<const Sighting> sightings,
                                 std::span<const Board> boards, double noise_px);
 

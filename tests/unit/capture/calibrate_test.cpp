@@ -135,6 +135,27 @@ std::optional<Knock> knock_found(std::size_t first, double off) {
 }
 
 // The same error in the same place tells of no knock however often it is seen, nor does what a board in motion is off.
+// Five to ten boards a camera: its lens and its neighbours give way until no view looks odd.
+TEST(Calibrate, AKnockIsToldWhereBoardsAreFew) {
+  const auto rig = tests::board_rig(6);
+  const auto walk = tests::board_walk(20);
+  for (const std::size_t knocked : {0U, 1U, 5U})
+    for (const double by : {0.0, 0.03}) {
+      auto moved = rig;
+      moved[knocked].t.x() += by;
+      auto sightings = tests::sightings_of(rig, kBoard, walk, 0.05);
+      for (auto& later : tests::sightings_of(moved, kBoard, walk, 0.05))
+        if (later.camera == knocked && later.moment >= 10)
+          for (auto& sighting : sightings)
+            if (sighting.camera == knocked && sighting.moment == later.moment) sighting = later;
+      const auto result = calibrate_sightings(rig, names_of(walk.size()), sightings, options());
+      if (by > 0.0)
+        EXPECT_THAT(result.problems, ElementsAre(HasSubstr(rig[knocked].name + " moved between m")));
+      else
+        EXPECT_THAT(result.problems, IsEmpty());
+    }
+}
+
 TEST(Calibrate, AKnockTakesBoardsInDifferentPlacesAndMoreThanMotionDoes) {
   EXPECT_TRUE(knock_found(20, 0.8));
   EXPECT_FALSE(knock_found(20, 0.15));
