@@ -13,6 +13,7 @@
 #include "capture/calibration/board_refusal.h"
 #include "capture/calibration/board_search.h"
 #include "capture/calibration/calibration_quality.h"
+#include "capture/calibration/camera_exchange.h"
 #include "capture/calibration/camera_faults.h"
 #include "capture/calibration/camera_graph.h"
 #include "capture/calibration/camera_knock.h"
@@ -55,7 +56,9 @@ class Calibration {
   void forget_unseen_boards();
   void tell_groups(const CameraGraph& graph);
   void list_from_one_end(const CameraGraph& graph);
+  bool leave_out_exchanged(const CameraGraph& graph);
   void leave_out(const Knock& knock);
+  void leave_out(std::size_t camera, std::size_t from, std::size_t to);  // moments; `to` is not among them
 
   const std::vector<Board> boards_;
   const CalibrateOptions& options_;
@@ -63,7 +66,7 @@ class Calibration {
   std::vector<std::size_t> source_;  // of each camera: its number in the pictures
   std::vector<CameraModel> started_;
   std::vector<Sighting> sightings_;                         // with outliers
-  std::set<std::pair<std::size_t, std::size_t>> left_out_;  // camera, moment: before (or after) a knock
+  std::set<std::pair<std::size_t, std::size_t>> left_out_;  // source, moment: before (or after) a knock
   std::vector<Sighting> good_;                              // without
   RigState state_;
   double noise_px_ = 1.0;
@@ -195,8 +198,33 @@ void Calibration::list_from_one_end(const CameraGraph& graph) {
                   fmt::join(doubtful, ", ")));
 }
 
+// Two cameras whose plugs, or folders, changed places meanwhile: the longer stretch counts.
+bool Calibration::leave_out_exchanged(const CameraGraph& graph) {
+  const auto exchange = find_exchange(graph, started_, sightings_, boards_);
+  if (!exchange) return false;
+  const auto of_either = [&](const auto& s) { return s.camera == exchange->a || s.camera == exchange->b; };
+  const auto all = std::count_if(sightings_.begin(), sightings_.end(), of_either);
+  const auto after = std::count_if(sightings_.begin(), sightings_.end(),
+                                   [&](const auto& s) { return of_either(s) && s.moment >= exchange->first_after; });
+  const bool keep_later = 2 * after > all;
+  result_.problems.push_back(fmt::format("{}; what they showed {} is left out",
+                                         in_words(*exchange, started_, result_.moments),
+                                         keep_later ? "before" : "afterwards"));
+  result_.advice.push_back("give the two their names again, and calibrate anew");
+  for (const std::size_t camera : {exchange->a, exchange->b})
+    leave_out(camera, keep_later ? 0 : exchange->first_after,
+              keep_later ? exchange->first_after : result_.moments.size());
+  return true;
+}
+
+void Calibration::leave_out(std::size_t camera, std::size_t from, std::size_t to) {
+  for (std::size_t moment = from; moment < to; ++moment) left_out_.insert({source_[camera], moment});
+  std::erase_if(sightings_, [&](const auto& s) { return left_out_.contains({source_[s.camera], s.moment}); });
+}
+
 void Calibration::place() {
   auto graph = place_cameras(started_, sightings_, boards_);
+  if (leave_out_exchanged(graph)) graph = place_cameras(started_, sightings_, boards_);
   tell_groups(graph);
   const auto group = graph.groups.front();
   if (group.size() < 2)
@@ -232,15 +260,11 @@ void Calibration::leave_out(const Knock& knock) {
   const bool keep_later = later >= kFewestAfterKnock;
   result_.problems.push_back(fmt::format("{}; its pose {} is kept", in_words(knock, state_, result_.moments),
                                          keep_later ? "afterwards" : "before, as too few boards followed,"));
-  std::erase_if(sightings_, [&](const auto& sighting) {
-    return sighting.camera == knock.camera && (sighting.moment < knock.first_after) == keep_later;
-  });
+  leave_out(knock.camera, keep_later ? 0 : knock.first_after, keep_later ? knock.first_after : result_.moments.size());
   // What fitted the two poses as one says nothing of the one that is kept.
   std::erase_if(good_, [&](const auto& sighting) { return sighting.camera == knock.camera; });
   const auto own = of_camera(sightings_, knock.camera);
   good_.insert(good_.end(), own.begin(), own.end());
-  for (std::size_t moment = 0; moment < result_.moments.size(); ++moment)
-    if ((moment < knock.first_after) == keep_later) left_out_.insert({knock.camera, moment});
   if (keep_later) state_.cameras[knock.camera] = knock.after;
 }
 
@@ -268,7 +292,7 @@ void Calibration::search_again(const BoardPictures& pictures, const BoardDetecto
                                const std::stop_token& stop) {
   const double reach = std::clamp(10.0 * noise_px_, kLeastReach, kLargestReach);
   sightings_ = search_predicted(pictures, detector, state_, sightings_, source_, reach, options_, stop);
-  std::erase_if(sightings_, [&](const auto& s) { return left_out_.contains({s.camera, s.moment}); });
+  std::erase_if(sightings_, [&](const auto& s) { return left_out_.contains({source_[s.camera], s.moment}); });
   std::size_t removed = 0;
   good_ = without_outliers(state_, sightings_, boards_, reach, removed);
 }

@@ -6,18 +6,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "capture/calibration/camera_exchange.h"
+
 namespace rotunda::capture {
 namespace {
 
 constexpr double kSamePlace = 0.15;  // metres
-constexpr double kSwapHelps = 0.3;   // what is left of the misfit once two names are exchanged
-
-// Root mean square distance of the centres after rigid alignment.
-double misfit(const Eigen::Matrix3Xd& a, const Eigen::Matrix3Xd& b) {
-  const Eigen::Matrix4d T = Eigen::umeyama(a, b, false);
-  return std::sqrt(
-      ((T.topLeftCorner<3, 3>() * a).colwise() + T.topRightCorner<3, 1>() - b).colwise().squaredNorm().mean());
-}
 
 std::vector<std::string> names_exchanged(const RigState& state, std::span<const CameraModel> reference) {
   const auto n = static_cast<Eigen::Index>(state.cameras.size());
@@ -30,26 +24,15 @@ std::vector<std::string> names_exchanged(const RigState& state, std::span<const 
     now.col(i) = camera.centre();
     then.col(i) = known->centre();
   }
-  if (n < 4 || (then.colwise() - then.col(0)).norm() < kSamePlace) return {};  // the reference has no poses
+  if ((then.colwise() - then.col(0)).norm() < kSamePlace) return {};  // the reference has no poses
   std::vector<std::string> faults;
-  for (double before = misfit(now, then); before > kSamePlace;) {
-    double least = kSwapHelps * before;
-    std::pair<Eigen::Index, Eigen::Index> best{-1, -1};
-    for (Eigen::Index a = 0; a < n; ++a)
-      for (Eigen::Index b = a + 1; b < n; ++b) {
-        Eigen::Matrix3Xd exchanged = then;
-        exchanged.col(a).swap(exchanged.col(b));
-        const double after = misfit(now, exchanged);
-        if (after < least) least = after, best = {a, b};
-      }
-    if (best.first < 0) break;
-    then.col(best.first).swap(then.col(best.second));
-    before = least;
+  while (const auto swapped = exchanged_centres(now, then)) {
+    then.col(swapped->first).swap(then.col(swapped->second));
     faults.push_back(
         fmt::format("{} and {} are swapped: each stands where the given file has the other; exchange their "
                     "cables, names or folders",
-                    state.cameras[static_cast<std::size_t>(best.first)].name,
-                    state.cameras[static_cast<std::size_t>(best.second)].name));
+                    state.cameras[static_cast<std::size_t>(swapped->first)].name,
+                    state.cameras[static_cast<std::size_t>(swapped->second)].name));
   }
   return faults;
 }

@@ -15,6 +15,7 @@ namespace {
 constexpr std::size_t kMostTried = 24;  // shared boards whose relative pose is tried, and by which it is judged
 constexpr double kAgrees = 0.01;        // of the picture's longer side: a board transferred so near agrees
 constexpr double kFarOff = 0.1;         // of it: farther off counts as this
+constexpr double kElsewhere = 0.05;     // of it: first intrinsics, chained poses and a far board's pose do less
 
 using Poses = std::vector<Eigen::Isometry3d>;
 
@@ -236,6 +237,14 @@ CameraGraph place_cameras(std::span<const CameraModel> cameras, std::span<const 
             place_board(key, posed, graph.state, graph.groups.front(), boards[key.second]);
   for (const auto& [key, pose] : graph.state.world_from_board) append_turned(key, posed, boards[key.second], graph);
   return graph;
+}
+
+bool is_as_placed(const RigState& state, const Sighting& sighting, std::span<const Board> boards) {
+  const auto world_from_board = state.world_from_board.find({sighting.moment, sighting.board});
+  if (world_from_board == state.world_from_board.end()) return false;
+  const auto& camera = state.cameras[sighting.camera];
+  const Eigen::Isometry3d pose = camera_from_world(camera) * world_from_board->second;
+  return distance(camera, sighting, boards[sighting.board], pose) < kElsewhere;
 }
 
 }  // namespace rotunda::capture

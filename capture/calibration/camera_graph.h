@@ -24,4 +24,7 @@ struct CameraGraph {
 CameraGraph place_cameras(std::span<const CameraModel> cameras, std::span<const Sighting> sightings,
                           std::span<const Board> boards);
 
+// Whether the sighting lies about where the placed cameras and boards have it. `state` as place_cameras leaves it.
+bool is_as_placed(const RigState& state, const Sighting& sighting, std::span<const Board> boards);
+
 }  // namespace rotunda::capture

@@ -8,7 +8,6 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
-#include <numbers>
 #include <set>
 #include <utility>
 
@@ -26,8 +25,6 @@ constexpr double kOutlier = 3.0;      // noises: what is off further counts as t
 constexpr int kRounds = 2;
 constexpr std::size_t kFewViews = 12;       // a camera: with more, a knock shows
 constexpr double kNumbersOfACamera = 15.0;  // a pose and a lens
-constexpr double kSamePlace = 0.15;         // metres
-constexpr double kSameWay = 5.0;            // degrees
 
 // The boards of this camera that others see too, posed by the others alone.
 RigState posed_by_others(const RigState& state, std::span<const Sighting> sightings, std::span<const Board> boards,
@@ -167,18 +164,6 @@ Trial try_camera(std::size_t camera, std::size_t first_after, const RigState& st
   return trial;
 }
 
-double angle_deg(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
-  return Eigen::AngleAxisd(a * b.transpose()).angle() * 180.0 / std::numbers::pi;
-}
-
-std::optional<std::size_t> who_stood_there(const RigState& state, const CameraModel& camera, std::size_t itself) {
-  for (std::size_t i = 0; i < state.cameras.size(); ++i)
-    if (i != itself && (state.cameras[i].centre() - camera.centre()).norm() < kSamePlace &&
-        angle_deg(state.cameras[i].R, camera.R) < kSameWay)
-      return i;
-  return std::nullopt;
-}
-
 bool is_large_enough(const Knock& knock, double noise_px) {
   return knock.shift_px > std::max(kLeastKnock, kLeastShift * noise_px);
 }
@@ -236,9 +221,6 @@ std::optional<Knock> find_knock(const RigState& state, std::span<const Sighting>
 std::string in_words(const Knock& knock, const RigState& state, std::span<const std::string> moments) {
   const auto& name = state.cameras[knock.camera].name;
   const auto when = fmt::format("between {} and {}", moments[knock.last_before], moments[knock.first_after]);
-  if (const auto other = who_stood_there(state, knock.after, knock.camera))
-    return fmt::format("{} and {} were swapped {}: from then on one shows what the other showed", name,
-                       state.cameras[*other].name, when);
   return fmt::format("{} moved {}, by {:.1f} px", name, when, knock.shift_px);
 }
 

@@ -26,7 +26,7 @@ struct Knock {
 std::optional<Knock> find_knock(const RigState& state, std::span<const Sighting> sightings,
                                 std::span<const Board> boards, double noise_px);
 
-// "cam04 moved between m012 and m013, by 12.0 px", or, where it then shows what another showed, that they were swapped.
+// "cam04 moved between m012 and m013, by 12.0 px".
 std::string in_words(const Knock& knock, const RigState& state, std::span<const std::string> moments);
 
 }  // namespace rotunda::capture

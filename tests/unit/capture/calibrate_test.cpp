@@ -173,6 +173,15 @@ TEST(Calibrate, NamesCamerasThatNeverSeeABoardTogether) {
   EXPECT_THAT(result.problems, Contains(HasSubstr("cam03 never saw the board at the same moment as cam00")));
 }
 
+double worst_baseline(const std::vector<CameraModel>& found, const std::vector<CameraModel>& rig) {
+  double worst = 0.0;
+  for (const auto& a : found)
+    for (const auto& b : found)
+      worst = std::max(worst, std::abs((a.centre() - b.centre()).norm() -
+                                       (named(a.name, rig).centre() - named(b.name, rig).centre()).norm()));
+  return worst;
+}
+
 TEST(Calibrate, NamesCamerasThatChangedPlaces) {
   const auto rig = tests::board_rig(5);
   const auto walk = tests::board_walk(20);
@@ -183,6 +192,23 @@ TEST(Calibrate, NamesCamerasThatChangedPlaces) {
   known.known = rig;
   const auto result = calibrate_sightings(rig, names_of(walk.size()), swapped, known);
   EXPECT_THAT(result.problems, ElementsAre(HasSubstr("cam01 and cam03 are swapped")));
+}
+
+TEST(Calibrate, NamesCamerasThatChangedPlacesMeanwhile) {
+  for (const int cameras : {6, 10})
+    for (const auto& [from, left_out] : {std::pair{14U, "before"}, {26U, "afterwards"}}) {
+      const auto rig = tests::board_rig(cameras);
+      const auto walk = tests::board_walk(40);
+      auto swapped = tests::sightings_of(rig, kBoard, walk, 0.05);
+      for (auto& sighting : swapped)
+        if (sighting.camera < 2 && sighting.moment >= from) sighting.camera = 1 - sighting.camera;
+      const auto result = calibrate_sightings(rig, names_of(walk.size()), swapped, options());
+      ASSERT_THAT(result.problems, ElementsAre(HasSubstr("cam00 and cam01 were swapped by m"))) << cameras << from;
+      EXPECT_THAT(result.problems[0], HasSubstr(std::string("showed ") + left_out + " is left out"));
+      auto as_named = rig;
+      if (from < 20) std::swap(as_named[0].name, as_named[1].name);  // most was seen under each other's names
+      EXPECT_LT(worst_baseline(result.cameras, as_named), 0.02);
+    }
 }
 
 TEST(Calibrate, KeepsGivenIntrinsicsAndTheWorldOfACamera) {
@@ -201,15 +227,6 @@ TEST(Calibrate, KeepsGivenIntrinsicsAndTheWorldOfACamera) {
   EXPECT_LT(result.cameras[1].t.norm(), 1e-9);
   const double found = (result.cameras[0].centre() - result.cameras[2].centre()).norm();
   EXPECT_NEAR(found, (rig[0].centre() - rig[2].centre()).norm(), 0.005);
-}
-
-double worst_baseline(const std::vector<CameraModel>& found, const std::vector<CameraModel>& rig) {
-  double worst = 0.0;
-  for (const auto& a : found)
-    for (const auto& b : found)
-      worst = std::max(worst, std::abs((a.centre() - b.centre()).norm() -
-                                       (named(a.name, rig).centre() - named(b.name, rig).centre()).norm()));
-  return worst;
 }
 
 TEST(Calibrate, KnownLensesNeedOneBoardOnly) {
