@@ -89,6 +89,8 @@ class SquareLevels {
     Eigen::Matrix2d steps;
     for (int axis = 0; axis < 2; ++axis)
       steps.col(axis) = carried(*H, square.on_board + Eigen::Vector2d::Unit(axis)) - carried(*H, square.on_board);
+    const bool is_square = std::abs(steps.determinant()) > 1.0 && steps.cwiseAbs().maxCoeff() < levels_.cols;
+    if (!is_square) return square.pixel;  // nor are infinite ones
     double white = 0.0;
     for (const auto& side : kSides) white = std::max(white, value_at(middle + steps * at(side)).value_or(0.0));
     for (int i = 0; i < kMiddleRounds; ++i) middle = mean_of_dark(middle, steps, white);
@@ -150,14 +152,16 @@ bool goes_on(const SquareLevels& squares, const Bounds& bounds, double clear) {
 }
 
 // Row by row, lying as `inner` does; empty if the squares are not such a board's.
-std::vector<cv::Point2f> corners_of(const Lattice& lattice, const SquareLevels& squares, double contrast,
+std::vector<cv::Point2f> corners_of(const cv::Mat& levels, const Lattice& lattice, const LatticeGrower& grower,
                                     const cv::Size& inner) {
   const Bounds bounds = bounds_of(lattice);
   const bool lying = bounds.side(0) == inner.width + 1 && bounds.side(1) == inner.height + 1;
   const bool standing = bounds.side(0) == inner.height + 1 && bounds.side(1) == inner.width + 1;
   const int black = (inner.width + 1) * (inner.height + 1) / 2;
   if ((!lying && !standing) || static_cast<double>(lattice.size()) < kLeastFound * black) return {};
-  if (!is_a_board(squares, bounds, kAsClear * contrast) || goes_on(squares, bounds, kGoesOn * contrast)) return {};
+  const SquareLevels squares(levels, grower.placed(lattice));
+  if (!is_a_board(squares, bounds, kAsClear * grower.contrast())) return {};
+  if (goes_on(squares, bounds, kGoesOn * grower.contrast())) return {};
   std::vector<cv::Point2f> corners;
   for (int row = 0; row < inner.height; ++row)
     for (int column = 0; column < inner.width; ++column) {
@@ -177,7 +181,7 @@ std::vector<cv::Point2f> find_at_blur(const cv::Mat& grey, const cv::Mat& levels
     auto lattice = grower.grown_from(seed);
     trim(lattice);
     if (lattice.empty()) continue;
-    auto corners = corners_of(lattice, {levels, grower.placed(lattice)}, grower.contrast(), inner);
+    auto corners = corners_of(levels, lattice, grower, inner);
     if (!corners.empty()) return corners;
   }
   return {};
