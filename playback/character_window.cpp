@@ -15,7 +15,6 @@
 #include "playback/render/stage.h"
 
 namespace rotunda::playback {
-namespace {}  // namespace
 
 CharacterPlayReport play_character(const std::filesystem::path& character, const recon::MotionGraph& graph,
                                    const PlayOptions& options) {

@@ -58,7 +58,7 @@ class Calibration {
   void list_from_one_end(const CameraGraph& graph);
   bool leave_out_exchanged(const CameraGraph& graph);
   void leave_out(const Knock& knock);
-  void leave_out(std::size_t camera, std::size_t from, std::size_t to);  // moments; `to` is not among them
+  void leave_out_stretch(std::size_t camera, std::size_t first_after, bool later);
 
   const std::vector<Board> boards_;
   const CalibrateOptions& options_;
@@ -212,13 +212,14 @@ bool Calibration::leave_out_exchanged(const CameraGraph& graph) {
                                          keep_later ? "before" : "afterwards"));
   result_.advice.push_back("give the two their names again, and calibrate anew");
   for (const std::size_t camera : {exchange->a, exchange->b})
-    leave_out(camera, keep_later ? 0 : exchange->first_after,
-              keep_later ? exchange->first_after : result_.moments.size());
+    leave_out_stretch(camera, exchange->first_after, !keep_later);
   return true;
 }
 
-void Calibration::leave_out(std::size_t camera, std::size_t from, std::size_t to) {
-  for (std::size_t moment = from; moment < to; ++moment) left_out_.insert({source_[camera], moment});
+// What the camera saw from that moment on, or before.
+void Calibration::leave_out_stretch(std::size_t camera, std::size_t first_after, bool later) {
+  for (std::size_t moment = 0; moment < result_.moments.size(); ++moment)
+    if ((moment >= first_after) == later) left_out_.insert({source_[camera], moment});
   std::erase_if(sightings_, [&](const auto& s) { return left_out_.contains({source_[s.camera], s.moment}); });
 }
 
@@ -260,7 +261,7 @@ void Calibration::leave_out(const Knock& knock) {
   const bool keep_later = later >= kFewestAfterKnock;
   result_.problems.push_back(fmt::format("{}; its pose {} is kept", in_words(knock, state_, result_.moments),
                                          keep_later ? "afterwards" : "before, as too few boards followed,"));
-  leave_out(knock.camera, keep_later ? 0 : knock.first_after, keep_later ? knock.first_after : result_.moments.size());
+  leave_out_stretch(knock.camera, knock.first_after, !keep_later);
   // What fitted the two poses as one says nothing of the one that is kept.
   std::erase_if(good_, [&](const auto& sighting) { return sighting.camera == knock.camera; });
   const auto own = of_camera(sightings_, knock.camera);

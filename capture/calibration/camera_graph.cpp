@@ -244,7 +244,7 @@ bool is_as_placed(const RigState& state, const Sighting& sighting, std::span<con
   if (world_from_board == state.world_from_board.end()) return false;
   const auto& camera = state.cameras[sighting.camera];
   const Eigen::Isometry3d pose = camera_from_world(camera) * world_from_board->second;
-  return distance(camera, sighting, boards[sighting.board], pose) < kElsewhere;
+  return distance_either_way(camera, sighting, boards[sighting.board], pose) < kElsewhere;
 }
 
 }  // namespace rotunda::capture
