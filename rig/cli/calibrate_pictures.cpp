@@ -83,9 +83,8 @@ void tell(const CalibrationResult& result) {
                quality.p95_px, quality.held_out_rms_px, 1e3 * quality.deviation.centre, quality.deviation.rotation_deg,
                100.0 * quality.coverage.outermost_radius);
   }
-  fmt::print("all: rms {:.3f} px, p95 {:.3f} px, held out {:.3f} px {}; {} corners, {} left out\n",
-             result.rms_px, result.p95_px, result.held_out_rms_px, held_out_where(result), result.corners,
-             result.outliers);
+  fmt::print("all: rms {:.3f} px, p95 {:.3f} px, held out {:.3f} px {}; {} corners, {} left out\n", result.rms_px,
+             result.p95_px, result.held_out_rms_px, held_out_where(result), result.corners, result.outliers);
   fmt::print("world: {}\n", result.world);
   for (const auto& problem : result.problems) fmt::print("problem: {}\n", problem);
   for (const auto& quality : result.quality)
@@ -192,7 +191,8 @@ void add_picture_options(CLI::App& calibrate, PicturesRequest& request) {
   calibrate.add_option("--report", request.report, "write a report with pictures (HTML)");
   calibrate.add_option("--world-from", request.world_from,
                        "the world is this camera's frame (else the board that lay on the floor is its origin)");
-  calibrate.add_option("--intrinsics", request.intrinsics, "keep K and distortion of this calibration.yaml (R and t may be absent)");
+  calibrate.add_option("--intrinsics", request.intrinsics,
+                       "keep K and distortion of this calibration.yaml (R and t may be absent)");
   calibrate.add_flag("--bend", request.bend, "the board may sag: find by how much");
 }
 
