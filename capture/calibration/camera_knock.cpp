@@ -164,6 +164,11 @@ Trial try_camera(std::size_t camera, std::size_t first_after, const RigState& st
   return trial;
 }
 
+Trial& best_of(std::vector<Trial>& trials) {
+  return *std::min_element(trials.begin(), trials.end(),
+                           [](const auto& a, const auto& b) { return a.misfit < b.misfit; });
+}
+
 bool is_large_enough(const Knock& knock, double noise_px) {
   return knock.shift_px > std::max(kLeastKnock, kLeastShift * noise_px);
 }
@@ -189,8 +194,7 @@ std::optional<Knock> found_by_trying(const RigState& state, std::span<const Sigh
   tbb::parallel_for(std::size_t{0}, places.size(), [&](std::size_t i) {
     trials[i] = try_camera(places[i].first, places[i].second, state, sightings, boards, noise_px, false);
   });
-  auto& best =
-      *std::min_element(trials.begin(), trials.end(), [](const auto& a, const auto& b) { return a.misfit < b.misfit; });
+  auto& best = best_of(trials);
   const double certainty = (misfit / best.misfit - 1.0) * 6.0 * static_cast<double>(all_views) / kNumbersOfACamera;
   if (certainty > kCertain && is_large_enough(best.knock, noise_px)) return std::move(best.knock);
   return std::nullopt;
@@ -212,8 +216,7 @@ std::optional<Knock> find_knock(const RigState& state, std::span<const Sighting>
   tbb::parallel_for(std::size_t{0}, trials.size(), [&](std::size_t camera) {
     trials[camera] = try_camera(camera, surest->first_after, state, sightings, boards, noise_px, true);
   });
-  auto& best =
-      *std::min_element(trials.begin(), trials.end(), [](const auto& a, const auto& b) { return a.misfit < b.misfit; });
+  auto& best = best_of(trials);
   if (is_large_enough(best.knock, noise_px)) return std::move(best.knock);
   return std::nullopt;
 }

@@ -10,7 +10,7 @@ namespace {
 constexpr double kLeastDarkness = 0.5;   // grey levels a pixel^2: above sensors' noise after the blur
 constexpr std::size_t kMostBlobs = 800;  // the darkest of them; a board has fewer than a hundred
 constexpr double kLeastContrast = 15.0;  // grey levels between white and black squares
-constexpr double kAsClear = 0.35;        // of the first square's contrast, and of its darkness
+constexpr double kAsDark = 0.35;         // of the first square's darkness
 constexpr std::size_t kNeighbours = 14;  // a square's four are among its nearest blobs
 constexpr double kMidway = 0.2;          // of the distance between neighbours: perspective and blobs' errors
 constexpr double kApart = 0.2;           // sine, 12 degrees: between a board's two diagonals
@@ -162,7 +162,7 @@ std::optional<std::size_t> LatticeGrower::square_at(const Eigen::Matrix3d& H, co
   std::optional<std::size_t> best;
   for (std::size_t i = 0; i < blobs_.size(); ++i) {
     const double off = (blobs_[i].pixel - here).norm();
-    if (off >= nearest || taken.contains(i) || blobs_[i].darkness < kAsClear * darkness_) continue;
+    if (off >= nearest || taken.contains(i) || blobs_[i].darkness < kAsDark * darkness_) continue;
     best = i, nearest = off;
   }
   return best;

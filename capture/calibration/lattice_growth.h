@@ -34,6 +34,8 @@ inline Eigen::Vector2d at(const Place& place) {
 // Which blob is the black square there.
 using Lattice = std::map<Place, std::size_t>;
 
+inline constexpr double kAsClear = 0.35;  // of the first square's contrast: every square of a board has it
+
 // Homographies from places to pixels hold about this many squares.
 inline constexpr std::size_t kForetoldBy = 9;
 Eigen::Vector2d carried(const Eigen::Matrix3d& pixel_from_place, const Eigen::Vector2d& place);

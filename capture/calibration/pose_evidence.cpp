@@ -84,19 +84,13 @@ PoseEvidence evidence_of(const RigState& state, const Sighting& sighting, const 
     }
     evidence.H += J.transpose() * J;
     evidence.g += J.transpose() * off;
-    evidence.squares += off.squaredNorm();
-    ++evidence.corners;
   }
   return evidence;
 }
 
 PoseEvidence sum_of(std::span<const PoseEvidence> all) {
   PoseEvidence sum;
-  for (const auto& one : all) {
-    sum.H += one.H, sum.g += one.g;
-    sum.squares += one.squares;
-    sum.corners += one.corners;
-  }
+  for (const auto& one : all) sum.H += one.H, sum.g += one.g;
   return sum;
 }
 

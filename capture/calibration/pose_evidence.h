@@ -23,8 +23,6 @@ struct PoseEvidence {
   Eigen::Vector3d board = Eigen::Vector3d::Zero();  // its middle
   Matrix6 H = Matrix6::Zero();
   Pose6 g = Pose6::Zero();
-  double squares = 0.0;
-  int corners = 0;
 };
 
 PoseEvidence evidence_of(const RigState& state, const Sighting& sighting, const Board& board);

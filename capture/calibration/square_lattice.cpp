@@ -16,8 +16,7 @@ constexpr double kLevelBlur = 0.7;         // pixels
 constexpr double kLeastFound = 0.9;        // of a board's black squares
 constexpr double kOuterLine = 0.6;         // of a line's black squares
 constexpr double kAsABoard = 0.95;         // of its squares are darker or lighter than their neighbours, as they must
-constexpr double kAsClear = 0.35;          // of the first square's contrast
-constexpr double kGoesOn = 0.5;            // of it: black and white beyond the rim
+constexpr double kGoesOn = 0.5;            // of the first square's contrast: black and white beyond the rim
 constexpr int kMiddleRounds = 8;
 constexpr double kMiddleReach = 0.6;  // squares
 
