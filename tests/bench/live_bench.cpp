@@ -1,19 +1,20 @@
 // What the live way costs a frame set, stage by stage, on one thread and on two, and what the offline surface of the
-// same mattes with its colours costs on one: live_bench TAKE [CELL_MM [FRAMES [TRUTH]]]. With the simulator's truth
-// folder also how near live surfaces come to it, beside the hull of the true mattes in cells of 10 mm.
-// Prints medians; CPU time is of the whole process.
+// same mattes with its colours costs on one: live_bench TAKE [--cell MM] [--frames N] [--truth DIR]. With the
+// simulator's truth folder also how near live surfaces come to it, beside the hull of the true mattes in cells of 10
+// mm. Prints medians; CPU time is of the whole process.
 #include <fmt/format.h>
 #include <tbb/task_arena.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
-#include <cstdlib>
 #include <ctime>
 #include <vector>
 
 #include "capture/calibration_file.h"
 #include "capture/picture.h"
 #include "capture/take/take_reader.h"
+#include "config/exit_code.h"
 #include "recon/hull/genus_cut.h"
 #include "recon/hull/marching_cubes.h"
 #include "recon/hull/visual_hull.h"
@@ -111,26 +112,43 @@ void score(const capture::TakeReader& take, std::size_t frames, const recon::Stu
              live.p95 / ideal.p95);
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-  if (argc < 2) {
-    fmt::print(stderr, "usage: live_bench TAKE [CELL_MM [FRAMES [TRUTH]]]\n");
-    return 2;
-  }
-  const capture::TakeReader take(argv[1]);
-  const auto count = std::min<std::size_t>(take.frame_set_count(), argc > 3 ? std::strtoul(argv[3], nullptr, 10) : 20);
+void measure_take(const std::filesystem::path& take_path, double cell_mm, std::size_t frames,
+                  const std::filesystem::path& truth) {
+  const capture::TakeReader take(take_path);
+  const auto count = std::min(take.frame_set_count(), frames);
   auto studio = recon::read_take_studio(take, std::nullopt);
   recon::make_live_keys(take, studio.views);
   studio.views.volume.reset();
   const Eigen::AlignedBox3d usual(Eigen::Vector3d(-1.5, -1.0, 0.0), Eigen::Vector3d(1.5, 1.0, 2.0));  // of a rig file
-  const recon::LiveOptions options{.bounds = studio.volume.value_or(usual),
-                                   .cell_size = argc > 2 ? std::atof(argv[2]) * 1e-3 : 0.0};
+  const recon::LiveOptions options{.bounds = studio.volume.value_or(usual), .cell_size = cell_mm * 1e-3};
   std::vector<capture::FrameSet> sets;
   for (std::size_t i = 0; i < count; ++i) sets.push_back(take.read(i * take.frame_set_count() / count));
   for (const int threads : {1, 2}) measure(sets, studio.views, options, threads);
-  if (argc > 4)
-    score(take, std::min<std::size_t>(count, 5), studio.views, options, argv[4]);
-  else
+  if (truth.empty())
     measure_offline(sets.front(), studio.views, options);
+  else
+    score(take, std::min<std::size_t>(count, 5), studio.views, options, truth);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::filesystem::path take_path, truth;
+  double cell_mm = 0.0;
+  std::size_t frames = 20;
+  CLI::App app("What a live surface costs a frame set, stage by stage, and how near it comes to the truth",
+               "live_bench");
+  app.add_option("take", take_path, "a take's folder")->required()->check(CLI::ExistingDirectory);
+  app.add_option("--cell", cell_mm, "millimetres, edge of a hull cell; else as the rig's volume has it")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--frames", frames, "spread over the take")->check(CLI::PositiveNumber)->capture_default_str();
+  app.add_option("--truth", truth, "the simulator's truth folder: how near live surfaces come to it")
+      ->check(CLI::ExistingDirectory);
+  CLI11_PARSE(app, argc, argv);
+  try {
+    measure_take(take_path, cell_mm, frames, truth);
+    return kDone;
+  } catch (...) {
+    return report_current_exception("live_bench");
+  }
 }

@@ -1,7 +1,7 @@
 // How long each step from silhouettes to a closed surface takes, how that grows with finer cells, and how far the
 // surface lies from the body that cast them: ten 720 x 576 cameras, 10 mm cells.
 //   surface_bench [BODY.ply] [--runs N]; without a body, a person of capsules
-//   surface_bench --truth fitted|held-out [--studies N] [--keep DIR]: what each rung gains on rendered people
+//   surface_bench --truth fitted|held-out|all [--studies N] [--keep DIR]: what each rung gains on rendered people
 //   (surface_ladder.h) surface_bench --growth [--keep DIR]: time and memory of the whole surface by cell, pictures
 //   matched (surface_growth.h) surface_bench --fit [--keep DIR]: how the law by rim distance was chosen
 //   (rim_law_search.h)
@@ -199,7 +199,7 @@ int main(int argc, char** argv) {
   app.add_option("--runs", runs, "of each step")->check(CLI::PositiveNumber)->capture_default_str();
   app.add_option("--truth", truth,
                  "measure every rung on rendered people instead: those that laws were fitted on, or others")
-      ->check(CLI::IsMember({"fitted", "held-out"}));
+      ->check(CLI::IsMember({"fitted", "held-out", "all"}));
   bool fit = false, growth = false;
   app.add_flag("--fit", fit, "search the law by rim distance anew, on the rendered people it was fitted on");
   app.add_flag("--growth", growth, "time and memory from 20 to 5 mm cells of a rendered person, pictures matched");
@@ -213,7 +213,8 @@ int main(int argc, char** argv) {
     if (growth) bench::print_growth(bench::held_out_studies().front(), keep, runs);
     if (!fit && !growth && truth.empty()) measure(body, runs);
     if (!truth.empty()) {
-      auto looked_at = truth == "fitted" ? bench::fitted_studies() : bench::held_out_studies();
+      auto looked_at = truth == "held-out" ? bench::held_out_studies() : bench::fitted_studies();
+      if (truth == "all") std::ranges::copy(bench::held_out_studies(), std::back_inserter(looked_at));
       if (studies > 0 && studies < looked_at.size())
         looked_at.erase(looked_at.begin() + static_cast<long>(studies), looked_at.end());
       bench::print_ladder(looked_at, keep);

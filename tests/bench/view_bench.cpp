@@ -2,8 +2,10 @@
 // through the real key and the real surface:
 //   view_bench [--person NAME]... [--act NAME]... [--frame N]... [--pictures DIR]
 // Held-out cameras stand between the ring's; beside them one camera of the ring is left out, of surface and colours.
-// PSNR and SSIM in the box of the true silhouette, over black outside of it. The table: the surface of true mattes
-// with the blend, ours with its stored colours and with the blend, and the true surface: how much is left to gain.
+// PSNR and SSIM in the box of the true silhouette, over black outside of it: against what the held-out camera gave,
+// which has noise, and the backdrop mixed into its edges, and against the figures alone. The table: the surface of true
+// mattes with the blend, ours with its stored colours and with the blend, and the true surface: how much is left to
+// gain.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -27,6 +29,7 @@
 #include "recon/frame_reconstruction.h"
 #include "recon/hull/matte_support.h"
 #include "simulator/studio/camera_layout.h"
+#include "simulator/studio/light.h"
 #include "simulator/studio/pixel_encoding.h"
 #include "simulator/studio/scene_renderer.h"
 #include "simulator/studio/truth.h"
@@ -78,6 +81,17 @@ cv::Mat over_black(const cv::Mat& rgba) {
   return over_black(rgb, alpha);
 }
 
+// A moment before all cameras, the held-out ones last.
+struct Seen {
+  std::vector<simulator::ScenePicture> pictures;
+  std::vector<cv::Mat> alone;  // figures without noise and backdrop, of cameras that pictures are judged by
+};
+
+struct Score {
+  double psnr, ssim;              // against the camera's picture
+  double psnr_alone, ssim_alone;  // against the figures alone
+};
+
 class ViewBench {
  public:
   explicit ViewBench(Options options) : options_(std::move(options)), cameras_(simulator::camera_layout()) {}
@@ -85,12 +99,16 @@ class ViewBench {
   void run() {
     for (const auto& person : options_.people)
       for (const auto& act : options_.acts) run(person, act);
+    fmt::print("{:<44} {:>8}   {:<24}   {:<24}\n", "PSNR / SSIM", "pictures", "as the camera gave them",
+               "the figures alone");
     for (const auto& [name, scores] : scores_) {
-      double psnr = 0.0, ssim = 0.0;
-      for (const auto& score : scores) psnr += score.psnr, ssim += score.ssim;
-      const auto count = static_cast<double>(scores.size());
-      fmt::print("{:<44} {:4} pictures  PSNR {:.2f} dB  SSIM {:.3f}\n", name, scores.size(), psnr / count,
-                 ssim / count);
+      const auto mean = [&](double Score::*of) {
+        double sum = 0.0;
+        for (const auto& score : scores) sum += score.*of;
+        return sum / static_cast<double>(scores.size());
+      };
+      fmt::print("{:<44} {:>8}   {:>8.2f} dB / {:<12.3f}   {:>8.2f} dB / {:<12.3f}\n", name, scores.size(),
+                 mean(&Score::psnr), mean(&Score::ssim), mean(&Score::psnr_alone), mean(&Score::ssim_alone));
     }
   }
 
@@ -103,9 +121,12 @@ class ViewBench {
     for (const int frame : options_.frames) {
       const double seconds = simulator::act_seconds(frame);
       const auto pictures = studio.pictures(seconds, static_cast<std::uint64_t>(frame));
+      std::vector<cv::Mat> alone(pictures.size());
+      for (std::size_t i = 0; i < alone.size(); ++i)
+        if (i == kLeftOut || i >= cameras_.size()) alone[i] = studio.figures_alone(i, seconds, simulator::kWallGlow);
       const auto views = keyed(pictures, plates);
       what_ = fmt::format("{}-{}-{}", person, act, frame);
-      measure(pictures, views, performance->surfaces_at(seconds).front());
+      measure({pictures, alone}, views, performance->surfaces_at(seconds).front());
     }
   }
 
@@ -144,23 +165,23 @@ class ViewBench {
     return std::move(result.mesh);
   }
 
-  void measure(const std::vector<simulator::ScenePicture>& pictures, const FrameViews& views, TriangleMesh truth) {
+  void measure(const Seen& seen, const FrameViews& views, TriangleMesh truth) {
     FrameViews ideal = views;
-    for (std::size_t i = 0; i < cameras_.size(); ++i) ideal.mattes[i] = {pictures[i].matte};
+    for (std::size_t i = 0; i < cameras_.size(); ++i) ideal.mattes[i] = {seen.pictures[i].matte};
     const auto ours = surface_of(views);
     const auto hull = surface_of(ideal);
     recon::colour_vertices(truth, views, clock_);
     const auto all = with_held_out(cameras_);
     for (std::size_t i = cameras_.size(); i < all.size(); ++i) {
-      score("1 true mattes' surface, blended", draw(hull, views, all[i]), pictures[i], {});
-      score("2 our surface, stored colours", draw_stored(ours, all[i]), pictures[i], "stored " + all[i].name);
-      score("3 our surface, blended", draw(ours, views, all[i]), pictures[i], "blended " + all[i].name);
-      score("4 true surface, blended", draw(truth, views, all[i]), pictures[i], {});
+      score("1 true mattes' surface, blended", draw(hull, views, all[i]), seen, i, {});
+      score("2 our surface, stored colours", draw_stored(ours, all[i]), seen, i, "stored " + all[i].name);
+      score("3 our surface, blended", draw(ours, views, all[i]), seen, i, "blended " + all[i].name);
+      score("4 true surface, blended", draw(truth, views, all[i]), seen, i, {});
     }
     const auto fewer = without(views, kLeftOut);
     const auto nine = surface_of(fewer);
-    score("5 a ring camera left out, stored colours", draw_stored(nine, cameras_[kLeftOut]), pictures[kLeftOut], {});
-    score("6 a ring camera left out, blended", draw(nine, fewer, cameras_[kLeftOut]), pictures[kLeftOut],
+    score("5 a ring camera left out, stored colours", draw_stored(nine, cameras_[kLeftOut]), seen, kLeftOut, {});
+    score("6 a ring camera left out, blended", draw(nine, fewer, cameras_[kLeftOut]), seen, kLeftOut,
           "left out " + cameras_[kLeftOut].name);
   }
 
@@ -181,14 +202,16 @@ class ViewBench {
     return playback::reduce(playback::render_mesh(surface, viewpoint), kSupersampling);
   }
 
-  void score(const std::string& name, const cv::Mat& drawn, const simulator::ScenePicture& truth,
+  void score(const std::string& name, const cv::Mat& drawn, const Seen& seen, std::size_t camera,
              const std::string& picture) {
-    const cv::Mat ours = over_black(drawn), theirs = over_black(truth.rgb, truth.matte);
+    const auto& truth = seen.pictures[camera];
     const cv::Rect box = cv::boundingRect(truth.matte >= 128);
-    scores_[name].push_back({psnr(ours(box), theirs(box)), ssim(ours(box), theirs(box))});
+    const cv::Mat ours = over_black(drawn)(box), theirs = over_black(truth.rgb, truth.matte)(box);
+    const cv::Mat alone = over_black(seen.alone[camera], truth.matte)(box);
+    scores_[name].push_back({psnr(ours, theirs), ssim(ours, theirs), psnr(ours, alone), ssim(ours, alone)});
     if (picture.empty() || options_.pictures.empty()) return;
     cv::Mat both;
-    cv::hconcat(ours(box), theirs(box), both);
+    cv::hconcat(ours, theirs, both);
     capture::write_png(std::filesystem::path(options_.pictures) / fmt::format("{} {}.png", what_, picture), both);
   }
 
@@ -197,9 +220,6 @@ class ViewBench {
   playback::HeadlessDisplay display_;
   recon::StageClock clock_;
   std::string what_;
-  struct Score {
-    double psnr, ssim;
-  };
   std::map<std::string, std::vector<Score>> scores_;
 };
 
