@@ -19,10 +19,11 @@ std::string frame_report(std::size_t frame, const std::string& failure, const Su
   report["volume"] = surface.volume;
   report["area"] = surface.area;
   report["euler_characteristic"] = surface.topology.euler_characteristic;
-  report["components"] = surface.cut.components;
+  report["components"] = surface.cut.pieces.pieces;
   report["handles_cut_voxels"] = surface.cut.cut_voxels;
   report["filled_voxels"] = surface.cut.filled_voxels;
-  report["dropped_voxels"] = surface.cut.dropped_voxels;
+  report["dropped_voxels"] = surface.cut.pieces.dropped_voxels;
+  if (surface.cut.pieces.tied > 0) report["tied_components"] = surface.cut.pieces.tied;
   report["rims"] = surface.rims;
   if (!surface.disagreeing.empty()) report["disagreeing_cameras"] = surface.disagreeing;
   for (const auto& back : surface.put_back) report["put_back_share"][back.camera] = back.share;

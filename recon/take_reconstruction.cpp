@@ -97,6 +97,8 @@ TakeReconstruction::TakeReconstruction(const TakeReconstructionOptions& options,
   surface_options_.triangles = options_.triangles;
   surface_options_.paper = options_.paper;
   surface_options_.tolerate_misses = options_.tolerate_misses;
+  surface_options_.performer_at = options_.performer_at;
+  surface_options_.tied_litres = options_.tied_litres;
   if (options_.quality == Quality::live) surface_options_ = live_surface(surface_options_);
   choose_frames();
   store_.emplace(FrameStore::folder_of(take_.folder()), settings_json());
@@ -130,6 +132,8 @@ std::string TakeReconstruction::settings_json() const {
                           {"level", options_.level},
                           {"colour_level", options_.colour_level},
                           {"cameras", cameras}};
+  if (options_.performer_at) settings["performer_at"] = {options_.performer_at->x(), options_.performer_at->y()};
+  if (options_.tied_litres > 0.0) settings["tied_litres"] = options_.tied_litres;
   for (const auto& matrix : studio_.views.colour)
     settings["colour"].push_back(std::vector<double>(matrix.data(), matrix.data() + 9));
   return settings.dump();

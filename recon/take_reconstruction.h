@@ -1,6 +1,7 @@
 #pragma once
 // The offline way through the house: every frame of a take to a closed surface, to a geometry image, to the take's
 // geometry video. Resumable: finished frames are kept in the take's recon/frames (frame_store.h).
+#include <Eigen/Core>
 #include <cstddef>
 #include <filesystem>
 #include <functional>
@@ -30,10 +31,12 @@ struct TakeReconstructionOptions {
   int triangles = 20000;   // of the surface before mapping
   int level = 8;           // of the geometry image
   int colour_level = 8;
-  int tolerate_misses = 0;  // so many mattes may lack a part of the performer that the others show
+  int tolerate_misses = 0;                      // so many mattes may lack a part of the performer that the others show
+  std::optional<Eigen::Vector2d> performer_at;  // of several people the one nearest to this x, y; else the largest
+  double tied_litres = 0.0;  // props and people that touch nobody stay from this size on, on a thread; 0: dropped
   Quality quality = Quality::full;
-  int jobs = 0;                                    // frames at once; 0: one a core
-  bool paper = false;                              // also write the paper's 24-bit AVI
+  int jobs = 0;        // frames at once; 0: one a core
+  bool paper = false;  // also write the paper's 24-bit AVI
   Alignment align = Alignment::none;
   std::optional<std::filesystem::path> reference;  // of the alignment: another take of the same person
   std::optional<std::filesystem::path> meshes;     // one PLY a frame

@@ -60,7 +60,7 @@ std::uint32_t component(std::uint32_t set, std::uint32_t seed, const std::array<
 }
 
 // Marks of samples while the solid is taken apart and grown anew.
-enum class Mark : std::uint8_t { Outside, Inside, Body, Queued, Grown, Air };
+enum class Mark : std::uint8_t { Outside, Body, Queued, Grown, Air };
 
 template <class Visit>
 void for_each_neighbour(const SignedGrid& grid, VoxelId id, Visit visit) {
@@ -71,44 +71,11 @@ void for_each_neighbour(const SignedGrid& grid, VoxelId id, Visit visit) {
   }
 }
 
-// Turns the 26-component of `seed` from Inside into `mark`; returns its samples.
-std::vector<VoxelId> flood(const SignedGrid& grid, std::vector<Mark>& marks, VoxelId seed, Mark mark) {
-  std::vector<VoxelId> reached{seed};
-  marks[seed] = mark;
-  for (std::size_t i = 0; i < reached.size(); ++i)
-    for_each_neighbour(grid, reached[i], [&](VoxelId n) {
-      if (marks[n] != Mark::Inside) return;
-      marks[n] = mark;
-      reached.push_back(n);
-    });
-  return reached;
-}
-
-std::vector<Mark> mark_inside(const SignedGrid& grid) {
-  std::vector<Mark> marks(grid.voxel_count(), Mark::Outside);
-  for (VoxelId id = 0; id < marks.size(); ++id)
-    if (grid.value(id) > 0.0F) marks[id] = Mark::Inside;
-  return marks;
-}
-
-// Keeps the largest 26-component as Body; the others become outside, in the grid too.
-std::vector<VoxelId> keep_largest(SignedGrid& grid, std::vector<Mark>& marks, GenusCutReport& report) {
-  std::vector<VoxelId> largest;
-  const auto drop = [&](const std::vector<VoxelId>& piece) {
-    report.dropped_voxels += piece.size();
-    for (const auto id : piece) {
-      marks[id] = Mark::Outside;
-      grid.set_value(id, grid.outside());
-    }
-  };
-  for (VoxelId id = 0; id < marks.size(); ++id) {
-    if (marks[id] != Mark::Inside) continue;
-    ++report.components;
-    auto piece = flood(grid, marks, id, Mark::Body);
-    if (piece.size() > largest.size()) std::swap(piece, largest);
-    drop(piece);
-  }
-  return largest;
+std::vector<VoxelId> inside_of(const SignedGrid& grid) {
+  std::vector<VoxelId> body;
+  for (VoxelId id = 0; id < grid.voxel_count(); ++id)
+    if (grid.value(id) > 0.0F) body.push_back(id);
+  return body;
 }
 
 bool is_open(const SignedGrid& grid, VoxelId id) {
@@ -192,11 +159,12 @@ bool is_simple(std::uint32_t inside_neighbours) {
   return (touching & ~component(outside, touching & (~touching + 1U), kAdjacency.by_face)) == 0;
 }
 
-GenusCutReport cut_to_genus_zero(SignedGrid& grid) {
-  GenusCutReport report;
-  auto marks = mark_inside(grid);
-  auto body = keep_largest(grid, marks, report);
+GenusCutReport cut_to_genus_zero(SignedGrid& grid, const PieceRule& rule) {
+  GenusCutReport report{.pieces = settle_pieces(grid, rule)};
+  auto body = inside_of(grid);
   if (body.empty()) return report;
+  std::vector<Mark> marks(grid.voxel_count(), Mark::Outside);
+  for (const auto id : body) marks[id] = Mark::Body;
   fill_cavities(grid, marks, body, report);
   const auto seed = *std::max_element(body.begin(), body.end(), [&](VoxelId a, VoxelId b) {
     return grid.value(a) != grid.value(b) ? grid.value(a) < grid.value(b) : a > b;

@@ -169,6 +169,12 @@ double metre_of(const SurfaceReport& report, const SurfaceOptions& options) {
   return default_cell_size(report.bounds, options.unit) / kPersonCell;
 }
 
+PieceRule piece_rule(const SurfaceOptions& options, const SurfaceReport& report) {
+  constexpr double kLitre = 1e-3;  // cubic metres
+  const double metre = metre_of(report, options);
+  return {options.performer_at, options.tied_litres * kLitre * metre * metre * metre};
+}
+
 std::vector<capture::CameraModel> cameras_of(std::span<const SilhouetteView> views) {
   std::vector<capture::CameraModel> cameras;
   for (const auto& view : views) cameras.push_back(view.camera());
@@ -217,7 +223,7 @@ SignedGrid carved(const SortedViews& views, const SurfaceOptions& options, Surfa
       const PhotoHullOptions carving{.deepest = 0.05 * metre_of(report, options)};
       report.carved_voxels = carve_photo_hull(grid, views.with_silhouette, views.pictures, carving).carved;
     });
-  timed(report, "genus cut", [&] { report.cut = cut_to_genus_zero(grid); });
+  timed(report, "genus cut", [&] { report.cut = cut_to_genus_zero(grid, piece_rule(options, report)); });
   if (options.tolerate_misses > 0)
     report.denied = shares_of(views.with_silhouette, denied_shares(views.with_silhouette, grid));
   return grid;

@@ -25,6 +25,9 @@ struct SurfaceOptions {
   int triangles = 20000;                      // at most; 0: all
   int min_views = 2;
   int tolerate_misses = 0;
+  std::optional<Eigen::Vector2d> performer_at;  // world, x and y: of several people this one; else the largest piece
+  double tied_litres =
+      0.0;  // pieces that touch nobody and are at least so large stay, on a thread; 0: they are dropped
   bool put_back_lost =
       true;              // what one or two mattes lost against all others (lost_parts.h), unless misses are tolerated
   bool fit_rims = true;  // else the surface is the hull's

@@ -146,6 +146,7 @@ int tell(const recon::TakeReconstructionReport& report, const std::string& take,
 struct ReconArguments {
   std::string take, frames, reference, quality = "full";
   fs::path calibration, meshes, mattes;
+  std::vector<double> performer_at;  // none, or x and y
   std::optional<int> colour_level;
   bool align = false, no_align = false;
   recon::TakeReconstructionOptions options;
@@ -165,6 +166,7 @@ int reconstruct(const CommandLine& line, ReconArguments arguments, std::stop_tok
   if (!arguments.calibration.empty()) options.calibration = arguments.calibration;
   if (!arguments.meshes.empty()) options.meshes = arguments.meshes;
   if (!arguments.mattes.empty()) options.mattes = arguments.mattes;
+  if (arguments.performer_at.size() == 2) options.performer_at = Eigen::Vector2d(arguments.performer_at.data());
   if (!arguments.reference.empty()) options.reference = find_take(line, arguments.reference);
   options.align = alignment_of(arguments);
   if (arguments.quality == "live") {
@@ -271,6 +273,16 @@ void add_recon_commands(CommandLine& line) {
           "--tolerate-misses", options.tolerate_misses,
           "so many mattes may lack a part that all others show (0); recon/frames/*.json tell how much each did")
       ->check(CLI::Range(0, 8));
+  recon
+      ->add_option("--performer", arguments->performer_at,
+                   "X,Y: of several people the one nearest to this place on the floor (the largest)")
+      ->delimiter(',')
+      ->expected(2);
+  recon
+      ->add_option("--tie", options.tied_litres,
+                   "keep also what touches nobody and has at least so many litres, on a thread (a ball, a second "
+                   "person); else it is left out")
+      ->check(CLI::Range(0.01, 1e6));
   recon->add_option("--triangles", options.triangles, "of the surface before mapping")
       ->check(CLI::Range(500, 200000))
       ->capture_default_str();

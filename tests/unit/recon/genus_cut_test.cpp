@@ -86,8 +86,8 @@ TEST(GenusCut, LeavesABallAsItIs) {
   auto grid = grid_of(body_field(tests::ball({0, 0, 0}, 0.1)), 4, 0.01);
   const auto before = marching_cubes(grid);
   const auto report = cut_to_genus_zero(grid);
-  EXPECT_EQ(report.components, 1U);
-  EXPECT_EQ(report.cut_voxels + report.filled_voxels + report.dropped_voxels, 0U);
+  EXPECT_EQ(report.pieces.pieces, 1U);
+  EXPECT_EQ(report.cut_voxels + report.filled_voxels + report.pieces.dropped_voxels, 0U);
   EXPECT_EQ(marching_cubes(grid).positions, before.positions);
 }
 
@@ -106,7 +106,7 @@ TEST(GenusCut, KeepsTheLargestOfTwoLinkedRings) {
   body.insert(body.end(), other.begin(), other.end());
   auto grid = grid_of(body_field(body), 5, 0.01);
   const auto report = cut_to_genus_zero(grid);
-  EXPECT_EQ(report.components, 2U);
+  EXPECT_EQ(report.pieces.pieces, 2U);
   EXPECT_TRUE(topology_of(marching_cubes(grid)).is_sphere());
 }
 

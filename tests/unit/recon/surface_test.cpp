@@ -121,6 +121,48 @@ TEST(Surface, WithHandsOnHipsIsCutToASphere) {
   EXPECT_GT(result.report.cut.cut_voxels, 0U);
 }
 
+// A person, a larger one beside them, a ball of 14 litres and a marble.
+tests::CapsuleBody two_people_and_balls() {
+  tests::CapsuleBody all;
+  for (auto part : tests::person())
+    all.push_back({part.a + Eigen::Vector3d(0.8, 0, 0), part.b + Eigen::Vector3d(0.8, 0, 0), part.radius});
+  for (auto part : tests::person())
+    all.push_back(
+        {1.1 * part.a + Eigen::Vector3d(-0.6, 0, 0), 1.1 * part.b + Eigen::Vector3d(-0.6, 0, 0), 1.1 * part.radius});
+  all.push_back({{0.1, -0.7, 0.6}, {0.1, -0.7, 0.6}, 0.15});
+  all.push_back({{0.1, 0.7, 0.9}, {0.1, 0.7, 0.9}, 0.05});
+  return all;
+}
+
+Eigen::AlignedBox3f box_of(const TriangleMesh& mesh) {
+  Eigen::AlignedBox3f box;
+  for (const auto& position : mesh.positions) box.extend(position);
+  return box;
+}
+
+TEST(Surface, IsOfTheLargestPieceOrOfThePerformerAskedForOrOfAllOnThreads) {
+  const auto cameras = small_rig();
+  const auto mattes = tests::mattes_of(two_people_and_balls(), cameras);
+  auto options = stage();
+  const auto largest = reconstruct_surface(cameras, mattes, options);
+  ASSERT_EQ(largest.failure, "");
+  EXPECT_LT(box_of(largest.mesh).max().x(), 0.1F);
+  EXPECT_GE(largest.report.cut.pieces.pieces, 4U);  // silhouettes of several leave phantoms, too
+  options.performer_at.emplace(1.0, 0.3);
+  const auto asked = reconstruct_surface(cameras, mattes, options);
+  ASSERT_EQ(asked.failure, "");
+  EXPECT_GT(box_of(asked.mesh).min().x(), 0.4F);
+  options.tied_litres = 5.0;
+  const auto all = reconstruct_surface(cameras, mattes, options);
+  ASSERT_EQ(all.failure, "");
+  EXPECT_TRUE(topology_of(all.mesh).is_sphere());
+  EXPECT_EQ(all.report.cut.pieces.tied, 2U);
+  EXPECT_GT(all.report.cut.pieces.dropped_voxels, 0U) << "the marble";
+  EXPECT_LT(box_of(all.mesh).min().x(), -0.6F);
+  EXPECT_LT(box_of(all.mesh).min().y(), -0.8F);
+  EXPECT_NEAR(all.report.volume, largest.report.volume + asked.report.volume + 0.014, 0.008) << "threads are thin";
+}
+
 TEST(Surface, HasNoMoreTrianglesThanAsked) {
   const auto cameras = small_rig();
   auto options = stage();
