@@ -1,5 +1,7 @@
 #include "recon/deform/markers.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -79,11 +81,7 @@ class TriangleLocator {
         }
     return found;
   }
-  Vector3d middle(std::uint32_t t) const {
-    const auto& c = mesh_.triangles[t];
-    const Vector3f sum = mesh_.positions[c[0]] + mesh_.positions[c[1]] + mesh_.positions[c[2]];
-    return sum.cast<double>() / 3.0;
-  }
+  Vector3d middle(std::uint32_t t) const { return middle_of(mesh_, t).cast<double>(); }
 
  private:
   using Cell = std::array<int, 3>;
@@ -128,6 +126,29 @@ std::string_view segment_name(std::size_t segment) {
   return to_string(joint_of_segment(segment));
 }
 
+std::vector<MarkerConflict> MarkerRules::admit(const Marker& marker) {
+  std::vector<MarkerConflict> conflicts;
+  if (!numbers_.insert(marker.number).second) conflicts.push_back({"number", "a number that no other marker has"});
+  const std::size_t own = segment_of_triangle(marker.template_triangle);
+  const auto [first, added] = segment_on_scan_.try_emplace(marker.scan_triangle, own);
+  if (!added && first->second != own)
+    conflicts.push_back({"scan", fmt::format("a triangle that no other segment has; the {} has it already",
+                                             segment_name(first->second))});
+  return conflicts;
+}
+
+std::optional<std::string> misplacement(const Marker& marker, const TriangleMesh& scan, std::uint32_t triangle,
+                                        const TriangleMesh& posed) {
+  // A wrong pair is an arm for a leg or left for right, not a thick sleeve.
+  constexpr float kFar = 0.30F;
+  const float away = (middle_of(scan, triangle) - middle_of(posed, marker.template_triangle)).norm();
+  if (away <= kFar) return std::nullopt;
+  return fmt::format(
+      "triangle {} lies {:.2f} m away from the {} it is paired with: left for right, or another scan's "
+      "markers?",
+      marker.scan_triangle, away, segment_name(segment_of_triangle(marker.template_triangle)));
+}
+
 Markers propose_markers(const TriangleMesh& scan, const std::vector<std::uint32_t>& number, const TemplateFit& fit) {
   constexpr double kReach = 0.05;
   const TriangleLocator locator(scan, kReach);
@@ -140,7 +161,7 @@ Markers propose_markers(const TriangleMesh& scan, const std::vector<std::uint32_
     const std::size_t segment = t / of_segment;
     if (!is_held_part(fit, segment, segment_triangles()[t % of_segment])) continue;
     const auto& c = posed.triangles[t];
-    const Vector3f middle = (posed.positions[c[0]] + posed.positions[c[1]] + posed.positions[c[2]]) / 3.0F;
+    const Vector3f middle = middle_of(posed, t);
     const Vector3f normal = (posed.normals[c[0]] + posed.normals[c[1]] + posed.normals[c[2]]).normalized();
     const auto found = locator.nearest(middle.cast<double>(), normal.cast<double>());
     if (!found || is_crowded(chosen, locator.middle(*found))) continue;

@@ -2,13 +2,12 @@
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
-#include <fstream>
-#include <map>
 #include <system_error>
 
 #include "config/checked_yaml.h"
 #include "config/errors.h"
 #include "recon/deform/markers.h"
+#include "recon/whole_file.h"
 
 namespace rotunda::recon {
 namespace {
@@ -117,24 +116,23 @@ class MarkersReader {
     if (!segment.empty() && segment != segment_name(own))
       map.wrong(node["segment"], "segment",
                 fmt::format("{}, to which template triangle {} belongs", segment_name(own), marker.template_triangle));
-    if (!numbers_.insert(marker.number).second)
-      map.wrong(node["number"], "number", "a number that no other marker has");
-    const auto [first, added] = segment_on_scan_.try_emplace(marker.scan_triangle, own);
-    if (!added && first->second != own)
-      map.wrong(
-          node["scan"], "scan",
-          fmt::format("a triangle that no other segment has; the {} has it already", segment_name(first->second)));
+    for (const auto& [key, expected] : rules_.admit(marker)) map.wrong(node[key], key, expected);
     markers.pairs.push_back(marker);
   }
 
   std::filesystem::path file_;
   Problems problems_;
-  std::set<int> numbers_;
-  std::map<std::uint32_t, std::size_t> segment_on_scan_;
+  MarkerRules rules_;
 };
 
 std::string text_of(const Eigen::Quaterniond& q) {
   return fmt::format("[{:.6f}, {:.6f}, {:.6f}, {:.6f}]", q.w(), q.x(), q.y(), q.z());
+}
+
+std::string quoted(const std::string& text) {
+  YAML::Emitter out;
+  out << YAML::DoubleQuoted << text;
+  return out.c_str();
 }
 
 std::string text_of(const TemplateFit& fit) {
@@ -160,19 +158,15 @@ void write_markers(const std::filesystem::path& file, const Markers& markers, co
   std::string text = fmt::format(
       "# Pairs of triangles: of the body template and of the scan, counted from 0 as their files list them. Change,\n"
       "# add or take away; numbers are for people. About each the scan is held within radius_mm over its surface.\n"
-      "scan: \"{}\"\nradius_mm: {:.1f}\n",
-      scan, 1000.0 * markers.radius);
+      "scan: {}\nradius_mm: {:g}\n",
+      quoted(scan), 1000.0 * markers.radius);
   if (markers.fit) text += text_of(*markers.fit);
   text += "markers:\n";
   for (const auto& marker : markers.pairs)
     text += fmt::format("  - {{number: {}, segment: {}, template: {}, scan: {}}}\n", marker.number,
                         segment_name(segment_of_triangle(marker.template_triangle)), marker.template_triangle,
                         marker.scan_triangle);
-  errno = 0;
-  std::ofstream out(file, std::ios::binary);
-  out << text << std::flush;
-  if (!out)
-    throw std::system_error(errno ? errno : EIO, std::generic_category(), file.string() + ": cannot be written");
+  write_text(file, text);
 }
 
 }  // namespace rotunda::recon

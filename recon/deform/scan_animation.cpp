@@ -32,15 +32,8 @@ struct Placed {
   std::uint32_t triangle, segment;
 };
 
-Vector3f middle_of(const TriangleMesh& mesh, std::uint32_t triangle) {
-  const auto& c = mesh.triangles[triangle];
-  return (mesh.positions[c[0]] + mesh.positions[c[1]] + mesh.positions[c[2]]) / 3.0F;
-}
-
 std::vector<Placed> place(const PreparedScan& scan, const Markers& markers, const TemplateFit& fit,
                           std::vector<std::string>& notes) {
-  // A wrong pair is an arm for a leg or left for right, not a thick sleeve.
-  constexpr float kFar = 0.30F;
   const auto posed = pose_template(fit.body, fit.pose);
   std::vector<std::string> problems;
   std::vector<Placed> placed;
@@ -54,12 +47,8 @@ std::vector<Placed> place(const PreparedScan& scan, const Markers& markers, cons
       continue;
     }
     const auto triangle = static_cast<std::uint32_t>(at - scan.from_triangle.begin());
-    const float away = (middle_of(scan.mesh, triangle) - middle_of(posed, marker.template_triangle)).norm();
-    if (away > kFar)
-      problems.push_back(
-          fmt::format("marker {}: triangle {} lies {:.2f} m away from the {} it is paired with: left for "
-                      "right, or another scan's markers?",
-                      marker.number, marker.scan_triangle, away, segment_name(segment)));
+    if (const auto problem = misplacement(marker, scan.mesh, triangle, posed))
+      problems.push_back(fmt::format("marker {}: {}", marker.number, *problem));
     placed.push_back({marker.number, triangle, segment});
   }
   if (!problems.empty()) {
