@@ -8,10 +8,10 @@
 
 #include <assimp/Importer.hpp>
 #include <fstream>
-#include <numbers>
 
 #include "config/errors.h"
 #include "recon/export/animation_export.h"
+#include "tests/support/template_person.h"
 
 namespace rotunda::recon {
 namespace {
@@ -23,73 +23,10 @@ using Eigen::Vector3d;
 using Eigen::Vector3f;
 using testing::HasSubstr;
 using enum BodyJoint;
-
-constexpr double kDegree = std::numbers::pi / 180.0;
-
-// Somebody of unusual build in an A-pose: the template itself, so that all is known of them.
-struct Someone {
-  BodyTemplate body;
-  Pose pose = rest_pose();
-};
-Someone someone() {
-  auto measures = measures_of_height(1.66);
-  measures[static_cast<std::size_t>(BodyMeasure::thigh)] *= 1.05;
-  measures[static_cast<std::size_t>(BodyMeasure::upper_arm)] *= 0.95;
-  measures[static_cast<std::size_t>(BodyMeasure::waist_breadth)] *= 1.2;
-  Someone one{make_template(measures)};
-  const auto turn = [&](BodyJoint joint, double degrees) {
-    one.pose.rotation[index(joint)] = Quaterniond(AngleAxisd(-degrees * kDegree, Vector3d::UnitX()));
-    one.pose.rotation[index(mirrored(joint))] = Quaterniond(AngleAxisd(degrees * kDegree, Vector3d::UnitX()));
-  };
-  turn(upper_arm_left, 42);
-  turn(thigh_left, -7);
-  turn(foot_left, 7);
-  one.pose.root.z() = height_of(measures) - 0.5 * height_of(measures);
-  return one;
-}
-
-TriangleMesh scan_of(const Someone& one) {
-  return pose_template(one.body, one.pose);
-}
-
-// As somebody else's file has it: centimetres, y up, the T-pose for zero, three frames: standing, an elbow bent at a
-// right angle, a step to the side.
-constexpr std::string_view kBvh =
-    "HIERARCHY\nROOT Hips\n{\nOFFSET 0 0 0\nCHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation\n"
-    "JOINT Chest\n{\nOFFSET 0 30 0\nCHANNELS 3 Zrotation Xrotation Yrotation\n"
-    "JOINT Head\n{\nOFFSET 0 25 0\nCHANNELS 3 Zrotation Xrotation Yrotation\nEnd Site\n{\nOFFSET 0 20 0\n}\n}\n"
-    "JOINT LeftUpperArm\n{\nOFFSET 18 18 0\nCHANNELS 3 Zrotation Xrotation Yrotation\n"
-    "JOINT LeftForearm\n{\nOFFSET 30 0 0\nCHANNELS 3 Zrotation Xrotation Yrotation\n"
-    "JOINT LeftHand\n{\nOFFSET 26 0 0\nCHANNELS 3 Zrotation Xrotation Yrotation\nEnd Site\n{\nOFFSET 18 0 "
-    "0\n}\n}\n}\n}\n"
-    "JOINT RightUpperArm\n{\nOFFSET -18 18 0\nCHANNELS 3 Zrotation Xrotation Yrotation\n"
-    "JOINT RightForearm\n{\nOFFSET -30 0 0\nCHANNELS 3 Zrotation Xrotation Yrotation\n"
-    "JOINT RightHand\n{\nOFFSET -26 0 0\nCHANNELS 3 Zrotation Xrotation Yrotation\nEnd Site\n{\nOFFSET -18 0 "
-    "0\n}\n}\n}\n}\n"
-    "}\n"
-    "JOINT LeftThigh\n{\nOFFSET 9 0 0\nCHANNELS 3 Zrotation Xrotation Yrotation\n"
-    "JOINT LeftShank\n{\nOFFSET 0 -42 0\nCHANNELS 3 Zrotation Xrotation Yrotation\n"
-    "JOINT LeftFoot\n{\nOFFSET 0 -40 0\nCHANNELS 3 Zrotation Xrotation Yrotation\nEnd Site\n{\nOFFSET 0 -6 "
-    "15\n}\n}\n}\n}\n"
-    "JOINT RightThigh\n{\nOFFSET -9 0 0\nCHANNELS 3 Zrotation Xrotation Yrotation\n"
-    "JOINT RightShank\n{\nOFFSET 0 -42 0\nCHANNELS 3 Zrotation Xrotation Yrotation\n"
-    "JOINT RightFoot\n{\nOFFSET 0 -40 0\nCHANNELS 3 Zrotation Xrotation Yrotation\nEnd Site\n{\nOFFSET 0 -6 "
-    "15\n}\n}\n}\n}\n"
-    "}\nMOTION\nFrames: 3\nFrame Time: 0.04\n";
-
-std::string bvh_text_with(double elbow_deg, double step_cm) {
-  std::string text(kBvh);
-  for (int f = 0; f < 3; ++f) {
-    // Hips 6, then 3 a joint: chest, head, left arm (upper, forearm, hand), right arm, left leg, right leg.
-    std::vector<double> values(6 + 3 * 14, 0.0);
-    values[1] = 88.0;
-    if (f == 2) values[0] = step_cm;
-    if (f > 0) values[6 + 3 * 3 + 2] = -elbow_deg;  // Yrotation of the left forearm: x (left) towards z (forward)
-    for (const double value : values) text += std::to_string(value) + " ";
-    text += "\n";
-  }
-  return text;
-}
+using tests::bvh_text_with;
+using tests::kDegree;
+using tests::scan_of;
+using tests::someone;
 
 BodyMotion motion() {
   return import_bvh(parse_bvh(bvh_text_with(90.0, 20.0)));
