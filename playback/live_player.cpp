@@ -39,12 +39,7 @@ void press(LiveStage& stage, LiveControl& control, Key key) {
     case Key::quit:
       control.ended = true;
       return;
-    case Key::next:
-    case Key::previous:
-    case Key::map:
-    case Key::pictures:
-    case Key::follow:
-    case Key::help:
+    default:
       return;
   }
 }

@@ -66,7 +66,7 @@ void TakeDesk::shift(double right, double down) {
 
 void TakeDesk::apply(const WindowInput& input, double seconds) {
   for (const Key key : input.keys) press(key);
-  for (const int digit : input.digits) wind(std::floor(0.1 * digit * take_.frames) - at_);
+  for (const int digit : input.digits) go_to(std::floor(0.1 * digit * take_.frames));
   for (const Button button : input.buttons)
     if (keys_.press(button) == Pressed::own && button == Button::x) toggle_pictures();
   move_eye(input, orbit_, seconds);

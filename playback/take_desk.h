@@ -24,7 +24,8 @@ class TakeDesk {
   TakeDesk(const TakeTold& take, const Orbit& front);
 
   void apply(const WindowInput& input, double seconds);
-  void go_on(double seconds);     // time passes; not while frozen
+  void go_on(double seconds);  // time passes; not while frozen
+  void go_to(double frame) { wind(frame - at_); }
   void wait() { at_ = before_; }  // what was asked for is not there yet: back to before the last go_on()
   void look_at(const Eigen::Vector3d& performer);
 
@@ -32,6 +33,7 @@ class TakeDesk {
   const Orbit& orbit() const { return orbit_; }
   const DrawOptions& draw() const { return keys_.draw(); }
   bool shows_pictures() const { return pictures_; }
+  bool frozen() const { return keys_.frozen(); }
   bool ended() const { return keys_.ended(); }
   // Frame, rate of pictures and, if asked for, the keys.
   std::vector<std::string> lines(const std::string& rate) const;

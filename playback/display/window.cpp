@@ -10,6 +10,7 @@
 #include <GLFW/glfw3.h>
 
 #include "config/errors.h"
+#include "playback/display/click_finder.h"
 
 namespace rotunda::playback {
 namespace {
@@ -20,7 +21,14 @@ namespace {
   throw DeviceError("display", what + (reason ? std::string(" (") + reason + ")" : ""));
 }
 
-std::optional<Key> key_of(int glfw_key) {
+std::optional<Key> key_of(int glfw_key, int modifiers) {
+  const bool shift = (modifiers & GLFW_MOD_SHIFT) != 0;
+  if ((modifiers & GLFW_MOD_CONTROL) != 0) {
+    if (glfw_key == GLFW_KEY_Z) return shift ? Key::redo : Key::undo;
+    if (glfw_key == GLFW_KEY_Y) return Key::redo;
+    if (glfw_key == GLFW_KEY_S) return Key::save;
+  }
+  if (glfw_key == GLFW_KEY_TAB) return shift ? Key::previous_item : Key::next_item;
   static constexpr std::pair<int, Key> kKeys[] = {
       {GLFW_KEY_LEFT, Key::left},   {GLFW_KEY_RIGHT, Key::right},    {GLFW_KEY_UP, Key::up},
       {GLFW_KEY_DOWN, Key::down},   {GLFW_KEY_SPACE, Key::space},    {GLFW_KEY_EQUAL, Key::plus},
@@ -28,7 +36,10 @@ std::optional<Key> key_of(int glfw_key) {
       {GLFW_KEY_PERIOD, Key::next}, {GLFW_KEY_COMMA, Key::previous}, {GLFW_KEY_HOME, Key::home},
       {GLFW_KEY_G, Key::grey},      {GLFW_KEY_Q, Key::quit},         {GLFW_KEY_ESCAPE, Key::quit},
       {GLFW_KEY_F1, Key::help},     {GLFW_KEY_M, Key::map},          {GLFW_KEY_F, Key::follow},
-      {GLFW_KEY_V, Key::pictures}};
+      {GLFW_KEY_V, Key::pictures},  {GLFW_KEY_U, Key::undo},         {GLFW_KEY_R, Key::redo},
+      {GLFW_KEY_S, Key::save},      {GLFW_KEY_X, Key::remove},       {GLFW_KEY_DELETE, Key::remove},
+      {GLFW_KEY_N, Key::add},       {GLFW_KEY_B, Key::both_sides},   {GLFW_KEY_E, Key::residuals},
+      {GLFW_KEY_T, Key::rest}};
   for (const auto& [number, key] : kKeys)
     if (number == glfw_key) return key;
   return std::nullopt;
@@ -63,8 +74,28 @@ struct Window::Handles {
 
   static Handles& of(GLFWwindow* window) { return *static_cast<Handles*>(glfwGetWindowUserPointer(window)); }
 
-  static void on_key(GLFWwindow* window, int key, int, int action, int) {
-    const auto known = key_of(key);
+  ClickFinder clicks;
+
+  // Of the mouse, in pixels of the framebuffer, which on some displays are finer than those of the screen.
+  static MousePlace place_of(GLFWwindow* window, double x, double y) {
+    int width = 1, height = 1, drawn_width = 1, drawn_height = 1;
+    glfwGetWindowSize(window, &width, &height);
+    glfwGetFramebufferSize(window, &drawn_width, &drawn_height);
+    return {x * drawn_width / std::max(1, width) - 0.5, y * drawn_height / std::max(1, height) - 0.5};
+  }
+  static void on_button(GLFWwindow* window, int button, int action, int) {
+    if (button != GLFW_MOUSE_BUTTON_LEFT) return;
+    Handles& handles = of(window);
+    double x = 0.0, y = 0.0;
+    glfwGetCursorPos(window, &x, &y);
+    const auto place = place_of(window, x, y);
+    if (action == GLFW_PRESS)
+      handles.clicks.press(place);
+    else if (const auto click = handles.clicks.release(place))
+      handles.input.clicks.push_back(*click);
+  }
+  static void on_key(GLFWwindow* window, int key, int, int action, int modifiers) {
+    const auto known = key_of(key, modifiers);
     if (known && action != GLFW_RELEASE) of(window).input.keys.push_back(*known);
     if (key >= GLFW_KEY_1 && key <= GLFW_KEY_9 && action == GLFW_PRESS)
       of(window).input.digits.push_back(key - GLFW_KEY_0);
@@ -83,6 +114,8 @@ struct Window::Handles {
       handles.input.shift_x += across;
       handles.input.shift_y += down;
     }
+    handles.input.mouse = place_of(window, x, y);
+    handles.clicks.move(handles.input.mouse);
     handles.last_x = x;
     handles.last_y = y;
   }
@@ -111,6 +144,7 @@ Window::Window(const WindowOptions& options) : handles_(std::make_unique<Handles
   glfwSetWindowUserPointer(handles_->window, handles_.get());
   glfwSetKeyCallback(handles_->window, Handles::on_key);
   glfwSetScrollCallback(handles_->window, Handles::on_scroll);
+  glfwSetMouseButtonCallback(handles_->window, Handles::on_button);
   glfwSetCursorPosCallback(handles_->window, Handles::on_mouse);
   glfwMakeContextCurrent(handles_->window);
   glfwSwapInterval(1);
@@ -156,7 +190,10 @@ WindowInput Window::take_input() {
   handles_->input.gamepad = gamepad_now(handles_->held);
   for (std::size_t i = 0; i < held.size(); ++i)
     if (handles_->held[i] && !held[i]) handles_->input.buttons.push_back(static_cast<Button>(i));
-  return std::exchange(handles_->input, {});
+  handles_->input.held_from = handles_->clicks.held_from();
+  WindowInput input = std::exchange(handles_->input, {});
+  handles_->input.mouse = input.mouse;
+  return input;
 }
 
 }  // namespace rotunda::playback

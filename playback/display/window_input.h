@@ -6,7 +6,35 @@
 
 namespace rotunda::playback {
 
-enum class Key { left, right, up, down, space, plus, minus, next, previous, home, grey, map, follow, pictures, help, quit };
+enum class Key {
+  left,
+  right,
+  up,
+  down,
+  space,
+  plus,
+  minus,
+  next,
+  previous,
+  home,
+  grey,
+  map,
+  follow,
+  pictures,
+  help,
+  quit,
+  // of editors
+  undo,
+  redo,
+  save,
+  remove,
+  add,
+  next_item,
+  previous_item,
+  both_sides,
+  residuals,
+  rest
+};
 
 enum class Button { a, b, x, y, start, back };
 
@@ -16,12 +44,20 @@ struct Gamepad {
   double closer = 0.0, farther = 0.0;        // triggers, 0 to 1
 };
 
+// Pixels of what is drawn into; (0, 0) is the middle of the top left one.
+struct MousePlace {
+  double x = 0.0, y = 0.0;
+};
+
 struct WindowInput {
   std::vector<Key> keys;                // pressed or repeated since last asked
   std::vector<int> digits;              // of these, 1 to 9
   double drag_x = 0.0, drag_y = 0.0;    // of the mouse with the left button down, in window heights
   double shift_x = 0.0, shift_y = 0.0;  // with another button down
   double scroll = 0.0;                  // notches, away from the hand is positive
+  std::vector<MousePlace> clicks;       // of the left button, pressed and let go in one place
+  std::optional<MousePlace> held_from;  // where the left button went down; nothing while it is up
+  MousePlace mouse;                     // where it is now
   std::optional<Gamepad> gamepad;       // the first there is, as it is held now
   std::vector<Button> buttons;          // of it, pressed since last asked
 };

@@ -16,6 +16,7 @@ class MeshRenderer {
   // Throws InvalidInput if a triangle points beyond the vertices, or normals or colours are fewer than they.
   void upload(const recon::TriangleMesh& mesh);
   void draw(const Viewpoint& viewpoint, const DrawOptions& options = {});  // into the bound framebuffer
+  const Eigen::AlignedBox3d& box() const { return box_; }                  // of what was uploaded
 
  private:
   ViewProgram program_;

@@ -55,18 +55,6 @@ Viewpoint from_above(const StageOptions& options) {
   return eye;
 }
 
-Eigen::Matrix4f clip_from_world(const Viewpoint& viewpoint) {
-  Eigen::Matrix<double, 3, 4> in_eye;
-  in_eye << viewpoint.R, viewpoint.t;
-  const Eigen::Matrix<double, 3, 4> on_device = device_from_ideal(viewpoint) * in_eye;
-  Eigen::Matrix4d clip = Eigen::Matrix4d::Zero();
-  clip.topRows<2>() = on_device.topRows<2>();
-  clip.row(2) = (kFar + kNear) / (kFar - kNear) * in_eye.row(2);
-  clip(2, 3) -= 2.0 * kFar * kNear / (kFar - kNear);
-  clip.row(3) = in_eye.row(2);
-  return clip.cast<float>();
-}
-
 void set_colour(const GlProgram& program, const char* name, const recon::Colour& colour) {
   const auto channel = [&](std::size_t i) { return static_cast<float>(colour[i]) / 255.0F; };
   glUniform3f(uniform(program, name), channel(0), channel(1), channel(2));
@@ -117,7 +105,7 @@ void Stage::draw(const Viewpoint& viewpoint, const StageOptions& options,
   if (viewpoint.eye().z() <= options.floor_height) return;  // nobody sees a floor from below
   make_shadow(options, draw_body);
   glUseProgram(program_.get());
-  const Eigen::Matrix4f clip = clip_from_world(viewpoint);
+  const Eigen::Matrix4f clip = clip_from_world(viewpoint, {kNear, kFar});
   glUniformMatrix4fv(uniform(program_, "u_clip_from_world"), 1, GL_FALSE, clip.data());
   const Eigen::Vector2f place = options.place.cast<float>();
   glUniform3f(uniform(program_, "u_middle"), place.x(), place.y(), static_cast<float>(options.floor_height));

@@ -14,7 +14,7 @@ uniform float u_distortion[5];  // k1 k2 p1 p2 k3
 uniform float u_fold;           // squared radius beyond which the lens folds over
 out float v_beyond;
 #endif
-#ifdef GREY
+#ifdef LAMP
 uniform vec3 u_eye;
 out vec3 v_normal, v_to_eye;
 #endif
@@ -40,10 +40,11 @@ vec4 clip_of(vec3 in_eye) {
 void main() {
   vec3 in_world = place();
   gl_Position = clip_of((u_eye_from_world * vec4(in_world, 1.0)).xyz);
-#ifdef GREY
+#ifdef LAMP
   v_normal = outwards();
   v_to_eye = u_eye - in_world;
-#else
+#endif
+#ifndef GREY
   paint();
 #endif
 }
@@ -54,27 +55,33 @@ out vec4 o_colour;
 #ifdef DISTORTED
 in float v_beyond;
 #endif
-#ifdef GREY
+#ifdef LAMP
 in vec3 v_normal, v_to_eye;
-#else
+#endif
+#ifndef GREY
 vec3 colour();
 #endif
 void main() {
 #ifdef DISTORTED
   if (v_beyond > 0.0) discard;
 #endif
-#ifdef GREY
-  float cosine = abs(dot(normalize(v_normal), normalize(v_to_eye)));
-  o_colour = vec4(vec3(0.25 + 0.6 * cosine), 1.0);
+#ifdef LAMP
+  float light = 0.25 + 0.6 * abs(dot(normalize(v_normal), normalize(v_to_eye)));
 #else
-  o_colour = vec4(colour(), 1.0);
+  float light = 1.0;
+#endif
+#ifdef GREY
+  o_colour = vec4(vec3(light), 1.0);
+#else
+  o_colour = vec4(light * colour(), 1.0);
 #endif
 }
 )";
 
-std::string source_of(std::string_view head, std::string_view body, bool grey, bool distorted) {
+std::string source_of(std::string_view head, std::string_view body, Shading shading, bool distorted) {
   std::string source = "#version 300 es\nprecision highp float;\nprecision highp int;\n";
-  if (grey) source += "#define GREY\n";
+  if (shading == Shading::grey) source += "#define GREY\n";
+  if (shading != Shading::colour) source += "#define LAMP\n";
   if (distorted) source += "#define DISTORTED\n";
   return source.append(head).append(body);
 }
@@ -115,15 +122,28 @@ void clear(const std::optional<recon::Colour>& background) {
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
 }
 
+Eigen::Matrix4f clip_from_world(const Viewpoint& viewpoint, const DepthRange& range) {
+  const double n = range.near_plane, f = range.far_plane;
+  Eigen::Matrix<double, 3, 4> in_eye;
+  in_eye << viewpoint.R, viewpoint.t;
+  const Eigen::Matrix<double, 3, 4> on_device = device_from_ideal(viewpoint) * in_eye;
+  Eigen::Matrix4d clip = Eigen::Matrix4d::Zero();
+  clip.topRows<2>() = on_device.topRows<2>();
+  clip.row(2) = (f + n) / (f - n) * in_eye.row(2);
+  clip(2, 3) -= 2.0 * f * n / (f - n);
+  clip.row(3) = in_eye.row(2);
+  return clip.cast<float>();
+}
+
 ViewProgram::ViewProgram(std::string_view vertex_body, std::string_view fragment_body)
     : vertex_body_(vertex_body), fragment_body_(fragment_body) {}
 
 const GlProgram& ViewProgram::use(const Viewpoint& viewpoint, const DepthRange& range, const DrawOptions& options) {
   const bool grey = options.shading == Shading::grey, distorted = !viewpoint.distortion.isZero(0.0);
-  auto& program = programs_[(grey ? 1U : 0U) + (distorted ? 2U : 0U)];
+  auto& program = programs_[2U * static_cast<std::size_t>(options.shading) + (distorted ? 1U : 0U)];
   if (!program)
-    program = make_program(source_of(kVertexHead, vertex_body_, grey, distorted),
-                           source_of(kFragmentHead, grey ? "" : fragment_body_, grey, distorted));
+    program = make_program(source_of(kVertexHead, vertex_body_, options.shading, distorted),
+                           source_of(kFragmentHead, grey ? "" : fragment_body_, options.shading, distorted));
   glUseProgram(program->get());
   set_viewpoint(*program, viewpoint);
   set_depth(*program, range);

@@ -13,7 +13,8 @@ namespace rotunda::playback {
 
 enum class Shading {
   colour,  // as the cameras saw it: the light is in the colours
-  grey     // plain grey under a lamp at the eye: shows the shape
+  grey,    // plain grey under a lamp at the eye: shows the shape
+  lit      // colours that are no pictures (of what was measured) under that lamp
 };
 
 struct DrawOptions {
@@ -24,7 +25,10 @@ struct DrawOptions {
 // Empties the bound framebuffer: to the background, or without one to nothing (alpha 0).
 void clear(const std::optional<recon::Colour>& background);
 
-// Programs made of one vertex shader body, compiled when first used: colour or grey, with or without distortion.
+// Where a viewpoint shows the world, without its distortion: clip = matrix * (x, y, z, 1).
+Eigen::Matrix4f clip_from_world(const Viewpoint& viewpoint, const DepthRange& range);
+
+// Programs made of one vertex shader body, compiled when first used: colour, grey or lit, with or without distortion.
 // The body defines `vec3 place()` (world), `vec3 outwards()` (world, either sign) and `paint()`, which sets what the
 // fragment body's `vec3 colour()` reads.
 class ViewProgram {
@@ -35,7 +39,7 @@ class ViewProgram {
 
  private:
   std::string vertex_body_, fragment_body_;
-  std::array<std::optional<GlProgram>, 4> programs_;
+  std::array<std::optional<GlProgram>, 6> programs_;
 };
 
 }  // namespace rotunda::playback

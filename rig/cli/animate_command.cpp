@@ -7,9 +7,11 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "capture/picture.h"
 #include "config/errors.h"
 #include "config/exit_code.h"
 #include "config/progress.h"
+#include "playback/marker_window.h"
 #include "playback/render/animation_film.h"
 #include "playback/render/scan_video.h"
 #include "recon/body/motion_capture.h"
@@ -25,7 +27,7 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 struct AnimateArguments {
-  fs::path motion, scan, markers, output, write_markers;
+  fs::path motion, scan, markers, output, write_markers, edit, picture;
   std::string to, frames;
   std::optional<fs::path> calibration;
   double turns = 1.0;
@@ -69,7 +71,7 @@ void judge(const recon::TemplateFit& fit) {
   if (fit.distance < 0.015 && fit.far_share < 0.4) return;
   throw InvalidInput(fmt::format(
       "the body template does not fit the scan: half of it is farther than {:.0f} mm away, {:.0f} % belongs to no part "
-      "of the body. Scan the person in an A- or T-pose, alone, in close clothes; or place markers by hand (--markers)",
+      "of the body. Scan the person in an A- or T-pose, alone, in close clothes; or place markers by hand (--edit)",
       1000.0 * fit.distance, 100.0 * fit.far_share));
 }
 
@@ -82,6 +84,40 @@ recon::Markers markers_for(const AnimateArguments& arguments, const recon::Prepa
   const auto fit = recon::fit_template(scan.mesh);
   judge(fit);
   return recon::propose_markers(scan.mesh, scan.from_triangle, fit);
+}
+
+// What is edited first: the markers given, else those of the file that is edited, else proposed ones; where a template
+// does not fit, a person may still see what can be done.
+recon::Markers markers_to_edit(const AnimateArguments& arguments, const recon::PreparedScan& scan) {
+  AnimateArguments chosen = arguments;
+  if (chosen.markers.empty() && fs::exists(arguments.edit)) chosen.markers = arguments.edit;
+  try {
+    return markers_for(chosen, scan);
+  } catch (const InvalidInput& error) {
+    if (!chosen.markers.empty()) throw;
+    fmt::print(stderr, "{}\n", error.what());
+  }
+  return recon::propose_markers(scan.mesh, scan.from_triangle, recon::fit_template(scan.mesh));
+}
+
+// The editor; the markers as they are when it is closed.
+recon::Markers edit(const AnimateArguments& arguments, const recon::PreparedScan& scan, const recon::BodyMotion& motion,
+                    const std::stop_token& stop) {
+  recon::MarkerKeeper keeper(arguments.edit, arguments.scan.filename().string());
+  recon::MarkerEditor editor(scan, markers_to_edit(arguments, scan));
+  if (const auto left = keeper.left()) {
+    editor.replace(left->pairs);
+    fmt::print(stderr, "{}: goes on where it was left without saving (u takes that back)\n", keeper.unsaved().string());
+  }
+  if (!arguments.picture.empty()) {
+    capture::write_png(arguments.picture, playback::picture_of_markers(scan, editor, motion));
+    return editor.markers();
+  }
+  playback::edit_markers(scan, editor, keeper, motion, {.stop = stop});
+  if (editor.changed())
+    fmt::print(stderr, "{}: not saved; the next --edit {} goes on from there\n", keeper.unsaved().string(),
+               arguments.edit.string());
+  return editor.markers();
 }
 
 recon::AnimationFormat format_of(const AnimateArguments& arguments) {
@@ -141,6 +177,9 @@ void report(const recon::AnimationExportReport& report, const AnimateArguments& 
 }
 
 void check(const AnimateArguments& arguments) {
+  if (arguments.output.empty() && arguments.edit.empty()) throw InvalidInput("give -o, what to write; or --edit");
+  if (arguments.view_dependent && !arguments.edit.empty())
+    throw InvalidInput("--edit shows the scan itself: edit the markers first, then --view-dependent --markers");
   if (!arguments.view_dependent) {
     if (arguments.beside_template) throw InvalidInput("--beside-template compares 3D videos: add --view-dependent");
     if (arguments.calibration && !is_take(arguments))
@@ -187,14 +226,15 @@ int film_video(const CommandLine& line, const AnimateArguments& arguments, const
 int animate(const CommandLine& line, const AnimateArguments& arguments, std::stop_token stop) {
   check(arguments);
   if (arguments.view_dependent) return film_video(line, arguments, stop);
-  const std::string kind = kind_of(arguments);
+  const std::string kind = arguments.output.empty() ? "" : kind_of(arguments);
   const auto motion = read_motion(line, arguments, stop);
   tell(motion.notes, arguments.motion, line.json);
   auto scan = recon::prepare_scan(recon::read_mesh(arguments.scan));
   tell(scan.notes, arguments.scan, line.json);
   json notes = motion.notes;
   for (const auto& note : scan.notes) notes.push_back(note);
-  const auto markers = markers_for(arguments, scan);
+  const auto markers = arguments.edit.empty() ? markers_for(arguments, scan) : edit(arguments, scan, motion, stop);
+  if (arguments.output.empty()) return kDone;
   if (!arguments.write_markers.empty())
     recon::write_markers(arguments.write_markers, markers, arguments.scan.filename().string());
   const auto start = std::chrono::steady_clock::now();
@@ -237,8 +277,11 @@ void add_animate_command(CommandLine& line) {
       ->check(CLI::ExistingFile);
   app->add_option("--write-markers", arguments->write_markers, "write the markers used, to be edited");
   app->add_option("-o,--output", arguments->output,
-                  "FILE.glb, FILE.obj (with FILE.pc2), FILE.mp4, or FILE.png: a sheet")
-      ->required();
+                  "FILE.glb, FILE.obj (with FILE.pc2), FILE.mp4, or FILE.png: a sheet");
+  auto* edit = app->add_option("--edit", arguments->edit,
+                               "open an editor of the markers beside the template: s saves them to this file, F1 tells "
+                               "the keys; -o is written with them once it is closed");
+  app->add_option("--picture", arguments->picture, "FILE.png of the editor instead of its window")->needs(edit);
   app->add_option("--to", arguments->to,
                   "skin (a .glb's default: small, its error is told), morph (.glb: exact, large), pc2 (.obj: exact)")
       ->check(CLI::IsMember({"skin", "morph", "pc2"}));
@@ -257,6 +300,7 @@ void add_animate_command(CommandLine& line) {
       "Examples:\n  rotunda animate --motion dance.bvh --scan scan.ply -o dance.glb\n"
       "  rotunda animate --motion demo --scan scan.ply --view-dependent -o video.mp4\n"
       "  rotunda animate --motion dance.bvh --scan scan.ply --write-markers markers.yaml -o dance.mp4\n"
+      "  rotunda animate --motion dance.bvh --scan scan.ply --edit markers.yaml\n"
       "  rotunda animate --motion dance.bvh --scan scan.ply --markers markers.yaml --to pc2 -o dance.obj");
   app->callback([&line, arguments] {
     line.run = [&line, arguments](std::stop_token stop) { return animate(line, *arguments, std::move(stop)); };

@@ -1,58 +1,19 @@
 #include "playback/player.h"
 
-#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <signal.h>
-#include <spawn.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
-#include <array>
 #include <cstdlib>
 
 #include "config/errors.h"
 #include "playback/display/headless.h"
 #include "playback/frame_fetcher.h"
+#include "tests/support/virtual_screen.h"
 #include "tests/unit/round_geometry_image.h"
-
-extern char** environ;
 
 namespace rotunda::playback {
 namespace {
-
-// An X server without a screen; empty if there is none to start.
-class VirtualScreen {
- public:
-  VirtualScreen() {
-    std::array<int, 2> pipe{};
-    if (::pipe2(pipe.data(), 0) != 0) return;
-    std::string display_fd = std::to_string(pipe[1]);
-    std::string name = "Xvfb", option = "-displayfd", screen = "-screen", number = "0", size = "640x480x24";
-    char* arguments[] = {name.data(), option.data(), display_fd.data(), screen.data(), number.data(),
-                         size.data(), nullptr};
-    posix_spawn_file_actions_t actions;
-    posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
-    const int started = ::posix_spawnp(&server_, "Xvfb", &actions, nullptr, arguments, environ);
-    posix_spawn_file_actions_destroy(&actions);
-    ::close(pipe[1]);
-    char digit = 0;
-    while (started == 0 && ::read(pipe[0], &digit, 1) == 1 && digit != '\n') number_ += digit;
-    ::close(pipe[0]);
-    if (started != 0) server_ = 0;
-  }
-  ~VirtualScreen() {
-    if (server_ <= 0) return;
-    ::kill(server_, SIGTERM);
-    ::waitpid(server_, nullptr, 0);
-  }
-  std::string display() const { return number_.empty() ? "" : ":" + number_; }
-
- private:
-  pid_t server_ = 0;
-  std::string number_;
-};
 
 class Player : public ::testing::Test {
  protected:
@@ -73,7 +34,7 @@ class Player : public ::testing::Test {
 };
 
 TEST_F(Player, PlaysInAWindowUntilItsLimit) {
-  const VirtualScreen screen;
+  const tests::VirtualScreen screen;
   if (screen.display().empty()) GTEST_SKIP() << "no Xvfb here: install the package xvfb";
   ::setenv("DISPLAY", screen.display().c_str(), 1);
   recon::GeometryVideoReader video(file_);
@@ -85,7 +46,7 @@ TEST_F(Player, PlaysInAWindowUntilItsLimit) {
 }
 
 TEST_F(Player, StopsWhenAsked) {
-  const VirtualScreen screen;
+  const tests::VirtualScreen screen;
   if (screen.display().empty()) GTEST_SKIP() << "no Xvfb here: install the package xvfb";
   ::setenv("DISPLAY", screen.display().c_str(), 1);
   recon::GeometryVideoReader video(file_);

@@ -1,0 +1,158 @@
+#include "playback/marker_view.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <opencv2/imgproc.hpp>
+
+#include "playback/display/headless.h"
+#include "playback/marker_window.h"
+#include "playback/surface_pick.h"
+#include "tests/support/template_person.h"
+#include "tests/support/virtual_screen.h"
+
+namespace rotunda::playback {
+namespace {
+
+namespace fs = std::filesystem;
+
+class AnEditor : public testing::Test {
+ protected:
+  AnEditor()
+      : scan_(recon::prepare_scan(tests::scan_of(tests::someone()))),
+        motion_(recon::import_bvh(recon::parse_bvh(tests::bvh_text_with(90.0, 20.0)))),
+        editor_(scan_, recon::propose_markers(scan_.mesh, scan_.from_triangle, recon::fit_template(scan_.mesh))) {}
+
+  PreviewWish wish(std::optional<int> frame, bool residuals = false) const {
+    return {editor_.revision(), frame, residuals};
+  }
+  recon::PreparedScan scan_;
+  recon::BodyMotion motion_;
+  recon::MarkerEditor editor_;
+};
+
+using APreviewOfMarkers = AnEditor;
+
+TEST_F(APreviewOfMarkers, ShowsTheScanAsItWillMove) {
+  MarkerPreview preview(scan_, *editor_.markers().fit, motion_);
+  EXPECT_EQ(preview.newest()->scan.positions, scan_.mesh.positions);
+  const auto moved = preview.wait_for(wish(1), editor_.markers());
+  recon::ScanAnimation animation(scan_, editor_.markers());
+  const auto poses = animation.handle_poses(motion_);
+  std::vector<Eigen::Vector3f> positions(scan_.mesh.positions.size());
+  animation.deform(std::span(poses).subspan(recon::kBodySegments, recon::kBodySegments), positions);
+  EXPECT_EQ(moved->scan.positions, positions);
+  EXPECT_EQ(moved->told, "");
+  const auto rest = preview.wait_for(wish(std::nullopt, true), editor_.markers());
+  EXPECT_EQ(rest->scan.positions, scan_.mesh.positions);
+  ASSERT_EQ(rest->scan_residuals.size(), scan_.mesh.positions.size());
+  ASSERT_EQ(rest->body_residuals.size(), rest->body.positions.size());
+}
+
+TEST_F(APreviewOfMarkers, FollowsEditsAndTellsMarkersThatCannotCarry) {
+  MarkerPreview preview(scan_, *editor_.markers().fit, motion_);
+  const auto before = preview.wait_for(wish(1), editor_.markers());
+  const auto all = editor_.markers().pairs;
+  auto trunkless = all;
+  std::erase_if(trunkless, [](const auto& m) { return recon::segment_of_triangle(m.template_triangle) == 0; });
+  editor_.replace(trunkless);
+  const auto without = preview.wait_for(wish(1), editor_.markers());
+  EXPECT_THAT(without->told, testing::HasSubstr("no marker on the pelvis"));
+  EXPECT_EQ(without->scan.positions, before->scan.positions);  // as with the last that could
+  auto fewer = all;
+  std::erase_if(fewer, [](const auto& m) { return recon::segment_of_triangle(m.template_triangle) == 5; });
+  editor_.replace(fewer);
+  const auto other = preview.wait_for(wish(1), editor_.markers());
+  EXPECT_EQ(other->told, "");
+  EXPECT_NE(other->scan.positions, before->scan.positions);  // the forearm follows its neighbours
+}
+
+// The pixel of a picture that is red first.
+recon::Colour at(const cv::Mat& rgba, int x, int y) {
+  const auto& p = rgba.at<cv::Vec4b>(y, x);
+  return {p[0], p[1], p[2]};
+}
+
+TEST_F(AnEditor, DrawsEveryDotWhereItsTrianglesAreOnBothSides) {
+  const HeadlessDisplay display;
+  const MarkerLayout layout{801, 600};
+  const RenderTarget target(layout.width, layout.height);
+  Orbit front{.target = {0.0, 0.0, 0.8}, .distance = 3.5, .elevation = 0.0};
+  MarkerDesk desk(editor_, {.frames = 3, .fps = 25.0}, front);
+  MarkerPreview preview(scan_, *editor_.markers().fit, motion_);
+  MarkerView view;
+  view.show(preview.newest(), desk);
+  target.bind();
+  view.draw(desk, layout, {""});
+  const auto drawn = target.read_rgba();
+  int facing = 0, seen = 0;
+  for (const auto side : {MarkerSide::body, MarkerSide::scan})
+    for (const auto& marker : editor_.markers().pairs) {
+      const auto& mesh = side == MarkerSide::body ? view.shown().body : view.shown().scan;
+      const auto triangle = side == MarkerSide::body ? marker.template_triangle : editor_.on_prepared(marker);
+      const auto eye = layout.viewpoint(side, desk.orbit());
+      const auto pixel = *seen_at(eye, recon::middle_of(mesh, triangle).cast<double>());
+      const auto front_hit = pick(mesh, eye, pixel.head<2>());
+      if (!front_hit || front_hit->triangle != triangle || pixel.y() < 80) continue;  // behind; below the text
+      ++facing;
+      const auto x = static_cast<int>(std::lround(pixel.x())) + layout.left(side),
+                 y = static_cast<int>(std::lround(pixel.y()));
+      seen += at(drawn, x, y) == segment_colour(recon::segment_of_triangle(marker.template_triangle));
+    }
+  EXPECT_GT(facing, 100);
+  EXPECT_GT(seen, 0.8 * facing);  // others' dots and text lie over some
+}
+
+TEST_F(AnEditor, ColoursBothSidesByTheirDistance) {
+  const HeadlessDisplay display;
+  const MarkerLayout layout{640, 480};
+  const RenderTarget target(layout.width, layout.height);
+  MarkerDesk desk(editor_, {.frames = 3, .fps = 25.0}, {.target = {0.0, 0.0, 0.8}, .distance = 3.5});
+  MarkerPreview preview(scan_, *editor_.markers().fit, motion_);
+  MarkerView view;
+  const auto colourful = [&](bool residuals) {
+    view.show(preview.wait_for(wish(std::nullopt, residuals), editor_.markers()), desk);
+    target.bind();
+    view.draw(desk, layout, {""});
+    const auto drawn = target.read_rgba();
+    int count = 0;
+    for (int y = 0; y < drawn.rows; ++y)
+      for (int x = 0; x < drawn.cols; ++x) {
+        const auto [r, g, b] = at(drawn, x, y);
+        count += std::max({r, g, b}) - std::min({r, g, b}) > 40;
+      }
+    return count;
+  };
+  EXPECT_GT(colourful(true), 3 * colourful(false));  // without: the dots alone
+}
+
+TEST_F(AnEditor, IsAPictureWithoutAWindow) {
+  const auto picture = picture_of_markers(scan_, editor_, motion_, 320, 200);
+  EXPECT_EQ(picture.size(), cv::Size(320, 400));
+  EXPECT_EQ(picture.type(), CV_8UC3);
+  cv::Mat difference;
+  cv::absdiff(picture.rowRange(0, 200), picture.rowRange(200, 400), difference);
+  EXPECT_GT(cv::countNonZero(difference.reshape(1)), 1000);  // as scanned, and in the motion
+}
+
+TEST_F(AnEditor, OpensInAWindowAndKeepsWhatIsNotSaved) {
+  const tests::VirtualScreen screen;
+  if (screen.display().empty()) GTEST_SKIP() << "no Xvfb here: install the package xvfb";
+  ::setenv("DISPLAY", screen.display().c_str(), 1);
+  const HeadlessDisplay driver;  // Mesa's driver stays loaded with it (player_test)
+  const fs::path folder = fs::temp_directory_path() / ("rotunda_marker_view_" + std::to_string(::getpid()));
+  fs::create_directories(folder);
+  recon::MarkerKeeper keeper(folder / "markers.yaml", "scan.ply");
+  editor_.select_next(1);
+  ASSERT_TRUE(editor_.remove().done);
+  const auto report = edit_markers(scan_, editor_, keeper, motion_, {.width = 320, .height = 240, .picture_limit = 5});
+  EXPECT_EQ(report.pictures, 5);
+  EXPECT_EQ(recon::MarkerKeeper(folder / "markers.yaml", "").left()->pairs, editor_.markers().pairs);
+  fs::remove_all(folder);
+  ::unsetenv("DISPLAY");
+}
+
+}  // namespace
+}  // namespace rotunda::playback
