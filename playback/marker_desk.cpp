@@ -13,11 +13,12 @@ namespace {
 constexpr double kDotReach = 9.0;    // pixels about a dot that are the dot
 constexpr double kDotBehind = 0.02;  // metres that a dot may lie behind the surface in front of it
 constexpr const char* kOwnKeys[] = {
-    "click  a dot: selects its pair   a body: moves that end of it   n or beside: none selected, then two clicks make "
-    "a "
-    "pair",
-    "Tab  Shift+Tab  through the pairs    x  takes it away    u  undo    r  again    b  both sides or one    s  save",
-    "e  residuals    t  the scan's own pose or the motion    drag the bar below  scrub"};
+    "click a dot  selects its pair    then a body  moves that end of it",
+    "n, or beside the bodies  none selected: then template and scan  make a pair",
+    "Tab  Shift+Tab  through the pairs    x  takes it away    b  both sides of the body or one",
+    "u  undo    r  again    s  save    e  residuals",
+    "t  as scanned or in the motion    drag the bar below  scrub",
+};
 
 }  // namespace
 

@@ -57,9 +57,9 @@ recon::TriangleMesh coloured(const recon::TriangleMesh& mesh, const std::vector<
 }
 
 MarkerLabel label_at(const recon::TriangleMesh& mesh, std::uint32_t triangle) {
-  const auto& c = mesh.triangles[triangle];
-  return {.place = recon::middle_of(mesh, triangle),
-          .normal = mesh.normals[c[0]] + mesh.normals[c[1]] + mesh.normals[c[2]]};
+  const auto& [a, b, c] = mesh.triangles[triangle];
+  const Eigen::Vector3f ab = mesh.positions[b] - mesh.positions[a], ac = mesh.positions[c] - mesh.positions[a];
+  return {.place = recon::middle_of(mesh, triangle), .normal = ab.cross(ac)};
 }
 
 }  // namespace

@@ -86,9 +86,7 @@ struct Window::Handles {
   static void on_button(GLFWwindow* window, int button, int action, int) {
     if (button != GLFW_MOUSE_BUTTON_LEFT) return;
     Handles& handles = of(window);
-    double x = 0.0, y = 0.0;
-    glfwGetCursorPos(window, &x, &y);
-    const auto place = place_of(window, x, y);
+    const auto place = handles.input.mouse;  // by its events: it may be elsewhere by now
     if (action == GLFW_PRESS)
       handles.clicks.press(place);
     else if (const auto click = handles.clicks.release(place))

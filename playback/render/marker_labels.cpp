@@ -13,16 +13,15 @@ namespace {
 // Each label is painted into its cell of one picture.
 constexpr int kCellWidth = 48, kCellHeight = 22, kColumns = 16;
 constexpr int kDotX = 10, kDotY = 11;  // the dot's middle in the cell
-constexpr int kDotWidth = 17;          // of a cell: what is left of the text
+constexpr int kDotWidth = 16;          // of a cell: what is left of the text
 constexpr double kTextSize = 0.35;
-// Metres towards the eye, so that the surface about a dot does not cut it; the selected before its neighbours.
-constexpr float kInFront = 0.02F, kSelectedInFront = 0.05F;
+// Metres towards the eye, so that the surface about a dot does not cut it; text before the dots beside it.
+constexpr float kInFront = 0.02F, kTextInFront = 0.03F;
 
 constexpr std::string_view kVertex = R"(#version 300 es
 precision highp float;
 layout(location = 0) in vec3 a_place;
-layout(location = 1) in vec3 a_normal;
-layout(location = 2) in vec2 a_shown;  // how much of the cell's width, 0 to 1; how far towards the eye, metres
+layout(location = 1) in vec2 a_shown;  // how much of the cell's width, 0 to 1; how far towards the eye, metres
 uniform mat4 u_clip_from_world;
 uniform vec3 u_eye;
 uniform vec2 u_size;      // of the picture, pixels
@@ -34,10 +33,6 @@ void main() {
   vec2 cell = vec2(mod(float(gl_InstanceID), u_columns), floor(float(gl_InstanceID) / u_columns));
   v_texel = (cell + corner) / vec2(u_columns, u_rows);
   vec3 to_eye = u_eye - a_place;
-  if (dot(a_normal, to_eye) <= 0.0) {
-    gl_Position = vec4(2.0, 2.0, 2.0, 1.0);  // turned away: outside of the picture
-    return;
-  }
   vec4 clip = u_clip_from_world * vec4(a_place + a_shown.y * normalize(to_eye), 1.0);
   vec2 middle = (clip.xy / clip.w + 1.0) * 0.5 * u_size;  // rounded, so that text is drawn pixel for pixel
   vec2 pixel = floor(middle) + (corner * u_cell.xy - u_cell.zw) * vec2(1.0, -1.0);
@@ -63,7 +58,7 @@ void paint(cv::Mat cell, const MarkerLabel& label) {
   if (label.selected) cv::circle(cell, middle, 9, light, cv::FILLED);
   cv::circle(cell, middle, label.selected ? 7 : 5, dark, cv::FILLED);
   cv::circle(cell, middle, label.selected ? 6 : 4, own, cv::FILLED);
-  const cv::Point text(kDotX + (label.selected ? 11 : 7), kDotY + 4);
+  const cv::Point text(kDotX + (label.selected ? 11 : 8), kDotY + 4);
   cv::putText(cell, label.text, text, cv::FONT_HERSHEY_SIMPLEX, kTextSize, dark, 3);
   cv::putText(cell, label.text, text, cv::FONT_HERSHEY_SIMPLEX, kTextSize,
               label.selected ? cv::Scalar(255, 235, 60, 255) : light, 1);
@@ -92,7 +87,7 @@ int rows_for(std::size_t count) {
   return std::max(1, (static_cast<int>(count) + kColumns - 1) / kColumns);
 }
 
-// Where the label's cell is seen, pixels; nothing if its dot is not.
+// Where the label's cell is seen, pixels; nothing on the side of the body that is turned away.
 std::optional<cv::Rect> seen_cell(const MarkerLabel& label, const Viewpoint& viewpoint) {
   if (label.normal.cast<double>().dot(viewpoint.eye() - label.place.cast<double>()) <= 0.0) return std::nullopt;
   const auto seen = seen_at(viewpoint, label.place.cast<double>());
@@ -124,25 +119,22 @@ MarkerLabels::MarkerLabels()
     : program_(make_program(kVertex, kFragment)),
       vertices_(make_vertex_array()),
       places_(make_buffer()),
-      normals_(make_buffer()),
       shown_(make_buffer()) {}
 
 void MarkerLabels::set(std::vector<MarkerLabel> labels) {
   labels_ = std::move(labels);
   if (labels_.empty()) return;
   cv::Mat cells(rows_for(labels_.size()) * kCellHeight, kColumns * kCellWidth, CV_8UC4, cv::Scalar(0, 0, 0, 0));
-  std::vector<Eigen::Vector3f> places, normals;
+  std::vector<Eigen::Vector3f> places;
   for (const auto& label : labels_) {
     const auto i = static_cast<int>(places.size());
     paint(cells(cv::Rect(i % kColumns * kCellWidth, i / kColumns * kCellHeight, kCellWidth, kCellHeight)), label);
     places.push_back(label.place);
-    normals.push_back(label.normal);
   }
   cells_ = make_texture();
   upload(cells_, cells);
   glBindVertexArray(vertices_.get());
   upload(0, places_, places);
-  upload(1, normals_, normals);
 }
 
 void MarkerLabels::draw(const Viewpoint& viewpoint, const DepthRange& range) {
@@ -150,9 +142,9 @@ void MarkerLabels::draw(const Viewpoint& viewpoint, const DepthRange& range) {
   std::vector<Eigen::Vector2f> shown;
   for (const bool text : with_text(labels_, viewpoint))
     shown.emplace_back(text ? 1.0F : static_cast<float>(kDotWidth) / static_cast<float>(kCellWidth),
-                       labels_[shown.size()].selected ? kSelectedInFront : kInFront);
+                       text ? kTextInFront : kInFront);
   glBindVertexArray(vertices_.get());
-  upload(2, shown_, shown);
+  upload(1, shown_, shown);
   glUseProgram(program_.get());
   const Eigen::Matrix4f clip = clip_from_world(viewpoint, range);
   const Eigen::Vector3f eye = viewpoint.eye().cast<float>();

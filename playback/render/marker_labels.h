@@ -34,7 +34,7 @@ class MarkerLabels {
  private:
   GlProgram program_;
   GlVertexArray vertices_;
-  GlBuffer places_, normals_, shown_;
+  GlBuffer places_, shown_;
   GlTexture cells_;
   std::vector<MarkerLabel> labels_;
 };

@@ -100,13 +100,22 @@ recon::Markers markers_to_edit(const AnimateArguments& arguments, const recon::P
   return recon::propose_markers(scan.mesh, scan.from_triangle, recon::fit_template(scan.mesh));
 }
 
+void go_on_with(recon::MarkerEditor& editor, const recon::Markers& left, const fs::path& unsaved) {
+  try {
+    editor.replace(left.pairs);
+  } catch (const InvalidInput& error) {
+    throw InvalidInput(
+        fmt::format("{}: left without saving, of another scan? Move it away. {}", unsaved.string(), error.what()));
+  }
+}
+
 // The editor; the markers as they are when it is closed.
 recon::Markers edit(const AnimateArguments& arguments, const recon::PreparedScan& scan, const recon::BodyMotion& motion,
                     const std::stop_token& stop) {
   recon::MarkerKeeper keeper(arguments.edit, arguments.scan.filename().string());
   recon::MarkerEditor editor(scan, markers_to_edit(arguments, scan));
   if (const auto left = keeper.left()) {
-    editor.replace(left->pairs);
+    go_on_with(editor, *left, keeper.unsaved());
     fmt::print(stderr, "{}: goes on where it was left without saving (u takes that back)\n", keeper.unsaved().string());
   }
   if (!arguments.picture.empty()) {

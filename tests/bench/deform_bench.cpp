@@ -13,6 +13,8 @@
 #include <ctime>
 #include <numbers>
 
+#include "playback/marker_preview.h"
+#include "playback/surface_pick.h"
 #include "recon/deform/cotangent_weights.h"
 #include "recon/deform/scan_animation.h"
 #include "simulator/people/person.h"
@@ -126,6 +128,23 @@ void speed(recon::ScanAnimation& animation, const std::vector<recon::HandlePose>
   fmt::print("  {:<38} {:>9.0f}\n", "bind", 1e3 * bind_s);
 }
 
+// The editor of markers: a click on the scan, a frame of the motion as the window is given it, and with new markers.
+void editing(const recon::PreparedScan& scan, const recon::Markers& markers, const recon::BodyMotion& motion) {
+  const auto tell = [](const char* what, const Cost& cost) {
+    fmt::print("  {:<38} {:>9.2f} {:>9.2f}\n", what, cost.wall_ms, cost.cpu_ms);
+  };
+  const auto eye = playback::Orbit{}.viewpoint(720, 810);
+  tell("editor: pick", cost_of(9, [&] { playback::pick(scan.mesh, eye, {360.0, 405.0}); }));
+  playback::MarkerPreview preview(scan, *markers.fit, motion);
+  long revision = 0;
+  int frame = 0;
+  tell("editor: new markers, bound and seen", cost_of(3, [&] {
+         preview.wait_for({++revision, frame, false}, markers);
+       }));
+  tell("editor: another frame", cost_of(9, [&] { preview.wait_for({revision, ++frame, false}, markers); }));
+  tell("editor: another frame, residuals", cost_of(5, [&] { preview.wait_for({revision, ++frame, true}, markers); }));
+}
+
 // The standing scan with one joint turned by a right angle.
 std::vector<recon::HandlePose> turned(const recon::ScanAnimation& animation, recon::BodyJoint joint,
                                       const Eigen::Vector3d& axis) {
@@ -177,6 +196,7 @@ void run(const char* name, std::size_t triangles, const char* act) {
   auto poses = animation.handle_poses(motion);
   poses.resize(std::min<std::size_t>(poses.size(), 64 * recon::kBodySegments));
   speed(animation, poses, bind_s);
+  editing(prepared, markers, motion);
   quality("ours", animation);
   recon::ScanAnimation paper(std::move(prepared), markers, {.as_paper = true});
   quality("paper", paper);

@@ -39,6 +39,29 @@ TEST_F(Animate, MovesAnyScanWithoutAClickAndKeepsItsMarkersForPeople) {
   EXPECT_TRUE(fs::exists(file("kick.pc2")));
 }
 
+TEST_F(Animate, ShowsItsMarkersAsTheEditorDoesAndGoesOnWhereOneWasLeft) {
+  const auto edit = [&](const std::string& scan) {
+    return rotunda({"animate", "--motion", file("kick.bvh"), "--scan", scan, "--edit", file("markers.yaml"),
+                    "--picture", file("editor.png")});
+  };
+  const auto shown = edit(file("scan.ply"));
+  ASSERT_EQ(shown.exit_code, 0) << shown.err;
+  EXPECT_GT(fs::file_size(file("editor.png")), 50'000U);
+  EXPECT_FALSE(fs::exists(file("markers.yaml")));  // nothing was saved
+  std::ofstream(file("markers.yaml.unsaved")) << "markers:\n  - {number: 1, template: 4, scan: 5}\n";
+  const auto again = edit(file("scan.ply"));
+  EXPECT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_THAT(again.err, HasSubstr("goes on where it was left without saving"));
+  EXPECT_TRUE(fs::exists(file("markers.yaml.unsaved")));
+  std::ofstream(file("markers.yaml.unsaved")) << "markers:\n  - {number: 1, template: 4, scan: 900000}\n";
+  const auto other = edit(file("scan.ply"));  // another scan's
+  EXPECT_EQ(other.exit_code, 3);
+  EXPECT_THAT(other.err, AllOf(HasSubstr("markers.yaml.unsaved"), HasSubstr("the scan has no triangle 900000")));
+  const auto nothing = rotunda({"animate", "--motion", file("kick.bvh"), "--scan", file("scan.ply")});
+  EXPECT_EQ(nothing.exit_code, 3);
+  EXPECT_THAT(nothing.err, HasSubstr("--edit"));
+}
+
 TEST_F(Animate, RefusesWhatCannotBeMovedAndSaysWhatToDo) {
   std::ofstream(file("points.ply")) << "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
                                        "property float z\nelement face 0\nproperty list uchar int vertex_indices\n"
