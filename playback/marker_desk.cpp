@@ -99,7 +99,9 @@ std::optional<int> MarkerDesk::dot_at(MarkerSide side, const Eigen::Vector2d& pi
   double nearest = kDotReach;
   for (const auto& marker : editor_.markers().pairs) {
     const auto triangle = side == MarkerSide::body ? marker.template_triangle : editor_.on_prepared(marker);
-    const auto seen = seen_at(eye, recon::middle_of(mesh, triangle).cast<double>());
+    const Eigen::Vector3d place = recon::middle_of(mesh, triangle).cast<double>();
+    if (outwards(mesh, triangle).cast<double>().dot(eye.eye() - place) <= 0.0) continue;
+    const auto seen = seen_at(eye, place);
     if (!seen || (seen->head<2>() - pixel).norm() >= nearest) continue;
     const auto front = pick(mesh, eye, seen->head<2>());
     if (front && front->depth < seen->z() - kDotBehind) continue;

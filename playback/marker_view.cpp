@@ -4,6 +4,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "playback/render/stage.h"
+#include "playback/surface_pick.h"
 
 namespace rotunda::playback {
 namespace {
@@ -57,9 +58,7 @@ recon::TriangleMesh coloured(const recon::TriangleMesh& mesh, const std::vector<
 }
 
 MarkerLabel label_at(const recon::TriangleMesh& mesh, std::uint32_t triangle) {
-  const auto& [a, b, c] = mesh.triangles[triangle];
-  const Eigen::Vector3f ab = mesh.positions[b] - mesh.positions[a], ac = mesh.positions[c] - mesh.positions[a];
-  return {.place = recon::middle_of(mesh, triangle), .normal = ab.cross(ac)};
+  return {.place = recon::middle_of(mesh, triangle), .normal = outwards(mesh, triangle)};
 }
 
 }  // namespace

@@ -43,6 +43,11 @@ std::optional<SurfacePick> pick(const recon::TriangleMesh& mesh, const Viewpoint
   return found;
 }
 
+Eigen::Vector3f outwards(const recon::TriangleMesh& mesh, std::uint32_t triangle) {
+  const auto& [a, b, c] = mesh.triangles[triangle];
+  return (mesh.positions[b] - mesh.positions[a]).cross(mesh.positions[c] - mesh.positions[a]);
+}
+
 std::optional<Vector3d> seen_at(const Viewpoint& viewpoint, const Vector3d& place) {
   const Vector3d in_eye = viewpoint.R * place + viewpoint.t;
   if (in_eye.z() <= 0.0) return std::nullopt;

@@ -18,6 +18,9 @@ struct SurfacePick {
 std::optional<SurfacePick> pick(const recon::TriangleMesh& mesh, const Viewpoint& viewpoint,
                                 const Eigen::Vector2d& pixel);
 
+// Across a triangle, outwards, twice as long as its area.
+Eigen::Vector3f outwards(const recon::TriangleMesh& mesh, std::uint32_t triangle);
+
 // Where a place is seen, and its depth; nothing behind the eye.
 std::optional<Eigen::Vector3d> seen_at(const Viewpoint& viewpoint, const Eigen::Vector3d& place);
 

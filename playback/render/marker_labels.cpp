@@ -16,12 +16,12 @@ constexpr int kDotX = 10, kDotY = 11;  // the dot's middle in the cell
 constexpr int kDotWidth = 16;          // of a cell: what is left of the text
 constexpr double kTextSize = 0.35;
 // Metres towards the eye, so that the surface about a dot does not cut it; text before the dots beside it.
-constexpr float kInFront = 0.02F, kTextInFront = 0.03F;
+constexpr float kInFront = 0.02F, kTextInFront = 0.05F;
 
 constexpr std::string_view kVertex = R"(#version 300 es
 precision highp float;
 layout(location = 0) in vec3 a_place;
-layout(location = 1) in vec2 a_shown;  // how much of the cell's width, 0 to 1; how far towards the eye, metres
+layout(location = 1) in vec2 a_shown;  // how much of the cell's width, 0: nothing; how far towards the eye, metres
 uniform mat4 u_clip_from_world;
 uniform vec3 u_eye;
 uniform vec2 u_size;      // of the picture, pixels
@@ -36,7 +36,8 @@ void main() {
   vec4 clip = u_clip_from_world * vec4(a_place + a_shown.y * normalize(to_eye), 1.0);
   vec2 middle = (clip.xy / clip.w + 1.0) * 0.5 * u_size;  // rounded, so that text is drawn pixel for pixel
   vec2 pixel = floor(middle) + (corner * u_cell.xy - u_cell.zw) * vec2(1.0, -1.0);
-  gl_Position = vec4((pixel / u_size * 2.0 - 1.0) * clip.w, clip.zw);
+  float depth = max(clip.z, -clip.w);  // not nearer than what is drawn at all
+  gl_Position = vec4((pixel / u_size * 2.0 - 1.0) * clip.w, depth, clip.w);
 }
 )";
 
@@ -87,9 +88,13 @@ int rows_for(std::size_t count) {
   return std::max(1, (static_cast<int>(count) + kColumns - 1) / kColumns);
 }
 
+bool faces(const MarkerLabel& label, const Viewpoint& viewpoint) {
+  return label.normal.cast<double>().dot(viewpoint.eye() - label.place.cast<double>()) > 0.0;
+}
+
 // Where the label's cell is seen, pixels; nothing on the side of the body that is turned away.
 std::optional<cv::Rect> seen_cell(const MarkerLabel& label, const Viewpoint& viewpoint) {
-  if (label.normal.cast<double>().dot(viewpoint.eye() - label.place.cast<double>()) <= 0.0) return std::nullopt;
+  if (!faces(label, viewpoint)) return std::nullopt;
   const auto seen = seen_at(viewpoint, label.place.cast<double>());
   if (!seen) return std::nullopt;
   int below = 0;
@@ -140,9 +145,10 @@ void MarkerLabels::set(std::vector<MarkerLabel> labels) {
 void MarkerLabels::draw(const Viewpoint& viewpoint, const DepthRange& range) {
   if (labels_.empty()) return;
   std::vector<Eigen::Vector2f> shown;
-  for (const bool text : with_text(labels_, viewpoint))
-    shown.emplace_back(text ? 1.0F : static_cast<float>(kDotWidth) / static_cast<float>(kCellWidth),
-                       text ? kTextInFront : kInFront);
+  for (const bool text : with_text(labels_, viewpoint)) {
+    const float dot = faces(labels_[shown.size()], viewpoint) ? static_cast<float>(kDotWidth) / kCellWidth : 0.0F;
+    shown.emplace_back(text ? 1.0F : dot, text ? kTextInFront : kInFront);
+  }
   glBindVertexArray(vertices_.get());
   upload(1, shown_, shown);
   glUseProgram(program_.get());

@@ -1,7 +1,7 @@
 #pragma once
-// Numbered dots on a surface that is drawn already: hidden where it hides them, of one size whatever the distance.
-// Where they are crowded only the dots are drawn, until one comes closer. World frame, metres. Needs a current GLES 3
-// context.
+// Numbered dots on a surface that is drawn already: hidden where it hides them or is turned away, of one size whatever
+// the distance. Where they are crowded only some have their numbers, more as they come closer.
+// World frame, metres. Needs a current GLES 3 context.
 #include <opencv2/core.hpp>
 #include <span>
 #include <string>
