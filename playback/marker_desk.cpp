@@ -112,6 +112,7 @@ std::optional<int> MarkerDesk::dot_at(MarkerSide side, const Eigen::Vector2d& pi
 }
 
 void MarkerDesk::click(const MousePlace& place, const MarkerScene& scene) {
+  if (scene.layout.in_bar(place)) return scrub(scene.layout.share(place));
   const auto side = scene.layout.side_of(place);
   const auto pixel = scene.layout.within(side, place);
   if (!pending_.body && !pending_.scan)
@@ -141,16 +142,18 @@ void MarkerDesk::scrub(double share) {
 }
 
 void MarkerDesk::apply(const WindowInput& input, const MarkerScene& scene, double seconds) {
-  for (const auto& place : input.clicks) {
-    if (scene.layout.in_bar(place))
-      scrub(scene.layout.share(place));
-    else
-      click(place, scene);
-  }
   WindowInput rest = input;
   rest.keys.clear();
-  for (const Key key : input.keys)
-    if (!press(key)) rest.keys.push_back(key);
+  std::size_t pressed = 0;
+  const auto press_until = [&](std::size_t end) {
+    for (; pressed < std::min(end, input.keys.size()); ++pressed)
+      if (!press(input.keys[pressed])) rest.keys.push_back(input.keys[pressed]);
+  };
+  for (const auto& [at, after_keys] : input.clicks) {
+    press_until(after_keys);
+    click(at, scene);
+  }
+  press_until(input.keys.size());
   if (!input.digits.empty()) at_rest_ = false;
   if (input.held_from && scene.layout.in_bar(*input.held_from)) {
     scrub(scene.layout.share(input.mouse));

@@ -4,6 +4,8 @@
 
 #include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <sstream>
+#include <utility>
 
 #include "playback/display/headless.h"
 #include "playback/display/window.h"
@@ -28,6 +30,15 @@ TakeTold told_of(const recon::BodyMotion& motion) {
   return {.frames = static_cast<int>(motion.poses.size()), .fps = 1.0 / motion.frame_time};
 }
 
+// Of a message, as many as there is room for.
+std::vector<std::string> lines_of(const std::string& text) {
+  constexpr std::size_t kMost = 4;
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; lines.size() < kMost && std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
 // One editor on the screen: desk, preview and view, and how they hang together.
 class Session {
  public:
@@ -46,8 +57,9 @@ class Session {
   // True if something else is to be seen than before.
   bool refresh() {
     preview_.wish(wish(), editor_.markers());
+    const bool bound_before = std::exchange(binds_, preview_.binds());
     const auto newest = preview_.newest();
-    if (newest.get() == &view_.shown()) return false;
+    if (newest == shown_) return binds_ != bound_before;
     show(newest);
     return true;
   }
@@ -56,8 +68,9 @@ class Session {
 
   void draw(const MarkerLayout& layout, const std::string& rate) {
     auto lines = desk_.lines(rate);
-    if (preview_.binds()) lines[0] += "   binding the scan";
-    if (!shown_->told.empty()) lines.insert(lines.begin() + 2, shown_->told);
+    if (binds_) lines[0] += "   binding the scan";
+    const auto told = lines_of(shown_->told);
+    lines.insert(lines.begin() + 2, told.begin(), told.end());
     view_.draw(desk_, layout, lines);
   }
   MarkerScene scene(const MarkerLayout& layout) const { return {shown_->body, shown_->scan, layout}; }
@@ -77,6 +90,7 @@ class Session {
   Eigen::Vector3d at_scan_;
   std::shared_ptr<const Preview> shown_;
   MarkerView view_;
+  bool binds_ = false;
 };
 
 bool is_idle(const WindowInput& input) {

@@ -90,7 +90,7 @@ struct Window::Handles {
     if (action == GLFW_PRESS)
       handles.clicks.press(place);
     else if (const auto click = handles.clicks.release(place))
-      handles.input.clicks.push_back(*click);
+      handles.input.clicks.push_back({*click, handles.input.keys.size()});
   }
   static void on_key(GLFWwindow* window, int key, int, int action, int modifiers) {
     const auto known = key_of(key, modifiers);

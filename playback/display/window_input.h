@@ -1,6 +1,7 @@
 #pragma once
 // What a person does with keys, mouse and gamepad, as values. Screen: right and down are positive; of sticks, away from
 // the hand is up and positive.
+#include <cstddef>
 #include <optional>
 #include <vector>
 
@@ -49,13 +50,18 @@ struct MousePlace {
   double x = 0.0, y = 0.0;
 };
 
+struct MouseClick {
+  MousePlace at;
+  std::size_t after_keys = 0;  // so many of the keys were pressed before
+};
+
 struct WindowInput {
   std::vector<Key> keys;                // pressed or repeated since last asked
   std::vector<int> digits;              // of these, 1 to 9
   double drag_x = 0.0, drag_y = 0.0;    // of the mouse with the left button down, in window heights
   double shift_x = 0.0, shift_y = 0.0;  // with another button down
   double scroll = 0.0;                  // notches, away from the hand is positive
-  std::vector<MousePlace> clicks;       // of the left button, pressed and let go in one place
+  std::vector<MouseClick> clicks;       // of the left button, pressed and let go in one place
   std::optional<MousePlace> held_from;  // where the left button went down; nothing while it is up
   MousePlace mouse;                     // where it is now
   std::optional<Gamepad> gamepad;       // the first there is, as it is held now

@@ -41,7 +41,7 @@ class ADeskOfMarkers : public testing::Test {
   }
   MarkerScene scene() const { return {scan_.mesh, scan_.mesh, kLayout}; }
   void press(Key key) { desk_->apply({.keys = {key}}, scene(), 0.0); }
-  void click(const MousePlace& place) { desk_->apply({.clicks = {place}}, scene(), 0.0); }
+  void click(const MousePlace& place) { desk_->apply({.clicks = {{place}}}, scene(), 0.0); }
   const std::vector<recon::Marker>& pairs() const { return editor_->markers().pairs; }
 
   // An odd width: the halves are not alike.
@@ -84,6 +84,17 @@ TEST_F(ADeskOfMarkers, SelectsADotAndMovesEitherEndOfItsPair) {
   EXPECT_EQ(pairs()[0], (recon::Marker{5, other, other}));
   press(Key::add);
   EXPECT_EQ(editor_->selected(), nullptr);
+}
+
+TEST_F(ADeskOfMarkers, TakesKeysAndClicksOfOneMomentInTheirOrder) {
+  const auto belly = pairs()[0].scan_triangle, other = at_front({0.0, 0.06, 0.93});
+  press(Key::next_item);
+  desk_->apply({.keys = {Key::add}, .clicks = {{on(kScan, other), 1}}}, scene(), 0.0);
+  EXPECT_EQ(pairs()[0].scan_triangle, belly);
+  EXPECT_EQ(desk_->pending().scan, other);
+  press(Key::next_item);
+  desk_->apply({.keys = {Key::add}, .clicks = {{on(kScan, other), 0}}}, scene(), 0.0);
+  EXPECT_EQ(pairs()[0].scan_triangle, other);
 }
 
 TEST_F(ADeskOfMarkers, ABesideClickSelectsNoneAndDropsHalfAPair) {
