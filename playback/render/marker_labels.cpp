@@ -69,8 +69,8 @@ void upload(const GlTexture& texture, const cv::Mat& picture) {
   glActiveTexture(GL_TEXTURE0);
   glBindTexture(GL_TEXTURE_2D, texture.get());
   glTexStorage2D(GL_TEXTURE_2D, 1, GL_RGBA8, picture.cols, picture.rows);
-  for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
-    glTexParameteri(GL_TEXTURE_2D, filter, GL_NEAREST);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
   glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
   glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, picture.cols, picture.rows, GL_RGBA, GL_UNSIGNED_BYTE, picture.data);
 }
