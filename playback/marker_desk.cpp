@@ -155,8 +155,8 @@ void MarkerDesk::apply(const WindowInput& input, const MarkerScene& scene, doubl
   }
   press_until(input.keys.size());
   if (!input.digits.empty()) at_rest_ = false;
-  if (input.held_from && scene.layout.in_bar(*input.held_from)) {
-    scrub(scene.layout.share(input.mouse));
+  if (input.dragged && scene.layout.in_bar(input.dragged->from)) {
+    scrub(scene.layout.share(input.dragged->to));
     rest.drag_x = rest.drag_y = 0.0;
   }
   motion_.apply(rest, seconds);

@@ -95,8 +95,8 @@ class Session {
 
 bool is_idle(const WindowInput& input) {
   return input.keys.empty() && input.digits.empty() && input.clicks.empty() && input.buttons.empty() &&
-         !input.held_from && input.drag_x == 0.0 && input.drag_y == 0.0 && input.shift_x == 0.0 &&
-         input.shift_y == 0.0 && input.scroll == 0.0 && !input.gamepad;
+         !input.dragged && input.drag_x == 0.0 && input.drag_y == 0.0 && input.shift_x == 0.0 && input.shift_y == 0.0 &&
+         input.scroll == 0.0 && !input.gamepad;
 }
 
 // Looks at the input without anything new, after which the picture is drawn again: another window may have covered it.
@@ -153,6 +153,7 @@ EditMarkersReport edit_markers(const recon::PreparedScan& scan, recon::MarkerEdi
     clock.end(false);
   }
   report.seconds = clock.seconds();
+  report.frame = desk.frame();
   return report;
 }
 

@@ -2,6 +2,7 @@
 // The editor of markers: in a window (marker_desk.h tells its keys), or as a picture of what it shows.
 #include <filesystem>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <stop_token>
 #include <string>
 
@@ -20,6 +21,7 @@ struct EditMarkersOptions {
 struct EditMarkersReport {
   long pictures = 0;
   double seconds = 0.0;
+  std::optional<int> frame;  // of the motion, at the end; nothing: as scanned
 };
 
 // Returns when the window is closed, the operator quits, or it is asked to stop; what was not saved is kept (`keeper`).

@@ -75,6 +75,7 @@ struct Window::Handles {
   static Handles& of(GLFWwindow* window) { return *static_cast<Handles*>(glfwGetWindowUserPointer(window)); }
 
   ClickFinder clicks;
+  MousePlace mouse;
 
   // Of the mouse, in pixels of the framebuffer, which on some displays are finer than those of the screen.
   static MousePlace place_of(GLFWwindow* window, double x, double y) {
@@ -86,7 +87,7 @@ struct Window::Handles {
   static void on_button(GLFWwindow* window, int button, int action, int) {
     if (button != GLFW_MOUSE_BUTTON_LEFT) return;
     Handles& handles = of(window);
-    const auto place = handles.input.mouse;  // by its events: it may be elsewhere by now
+    const auto place = handles.mouse;  // by its events: it may be elsewhere by now
     if (action == GLFW_PRESS)
       handles.clicks.press(place);
     else if (const auto click = handles.clicks.release(place))
@@ -112,8 +113,9 @@ struct Window::Handles {
       handles.input.shift_x += across;
       handles.input.shift_y += down;
     }
-    handles.input.mouse = place_of(window, x, y);
-    handles.clicks.move(handles.input.mouse);
+    handles.mouse = place_of(window, x, y);
+    handles.clicks.move(handles.mouse);
+    if (const auto from = handles.clicks.held_from()) handles.input.dragged = MouseDrag{*from, handles.mouse};
     handles.last_x = x;
     handles.last_y = y;
   }
@@ -188,10 +190,7 @@ WindowInput Window::take_input() {
   handles_->input.gamepad = gamepad_now(handles_->held);
   for (std::size_t i = 0; i < held.size(); ++i)
     if (handles_->held[i] && !held[i]) handles_->input.buttons.push_back(static_cast<Button>(i));
-  handles_->input.held_from = handles_->clicks.held_from();
-  WindowInput input = std::exchange(handles_->input, {});
-  handles_->input.mouse = input.mouse;
-  return input;
+  return std::exchange(handles_->input, {});
 }
 
 }  // namespace rotunda::playback

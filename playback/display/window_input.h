@@ -55,6 +55,11 @@ struct MouseClick {
   std::size_t after_keys = 0;  // so many of the keys were pressed before
 };
 
+// Where the button went down, and where the mouse is, or was when it was let go.
+struct MouseDrag {
+  MousePlace from, to;
+};
+
 struct WindowInput {
   std::vector<Key> keys;                // pressed or repeated since last asked
   std::vector<int> digits;              // of these, 1 to 9
@@ -62,8 +67,7 @@ struct WindowInput {
   double shift_x = 0.0, shift_y = 0.0;  // with another button down
   double scroll = 0.0;                  // notches, away from the hand is positive
   std::vector<MouseClick> clicks;       // of the left button, pressed and let go in one place
-  std::optional<MousePlace> held_from;  // where the left button went down; nothing while it is up
-  MousePlace mouse;                     // where it is now
+  std::optional<MouseDrag> dragged;     // the last of it with the left button down
   std::optional<Gamepad> gamepad;       // the first there is, as it is held now
   std::vector<Button> buttons;          // of it, pressed since last asked
 };

@@ -112,6 +112,8 @@ void go_on_with(recon::MarkerEditor& editor, const recon::Markers& left, const f
 // The editor; the markers as they are when it is closed.
 recon::Markers edit(const AnimateArguments& arguments, const recon::PreparedScan& scan, const recon::BodyMotion& motion,
                     const std::stop_token& stop) {
+  if (const auto folder = fs::absolute(arguments.edit).parent_path(); !fs::is_directory(folder))
+    throw InvalidInput(fmt::format("--edit {}: there is no folder {}", arguments.edit.string(), folder.string()));
   recon::MarkerKeeper keeper(arguments.edit, arguments.scan.filename().string());
   recon::MarkerEditor editor(scan, markers_to_edit(arguments, scan));
   if (const auto left = keeper.left()) {

@@ -57,6 +57,10 @@ TEST_F(Animate, ShowsItsMarkersAsTheEditorDoesAndGoesOnWhereOneWasLeft) {
   const auto other = edit(file("scan.ply"));  // another scan's
   EXPECT_EQ(other.exit_code, 3);
   EXPECT_THAT(other.err, AllOf(HasSubstr("markers.yaml.unsaved"), HasSubstr("the scan has no triangle 900000")));
+  const auto nowhere = rotunda({"animate", "--motion", file("kick.bvh"), "--scan", file("scan.ply"), "--edit",
+                                file("no/markers.yaml"), "--picture", file("editor.png")});
+  EXPECT_EQ(nowhere.exit_code, 3);
+  EXPECT_THAT(nowhere.err, HasSubstr("there is no folder"));
   const auto nothing = rotunda({"animate", "--motion", file("kick.bvh"), "--scan", file("scan.ply")});
   EXPECT_EQ(nothing.exit_code, 3);
   EXPECT_THAT(nothing.err, HasSubstr("--edit"));

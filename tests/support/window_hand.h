@@ -33,15 +33,12 @@ class WindowHand {
     event.xkey.time = ++time_;
     for (const int type : {KeyPress, KeyRelease}) send(event, type, type == KeyPress ? KeyPressMask : KeyReleaseMask);
   }
-  void click(int x, int y) {
-    XWarpPointer(display_, None, window_, 0, 0, 0, 0, x, y);
-    XEvent event{};
-    event.xbutton.button = Button1;
-    event.xbutton.x = x;
-    event.xbutton.y = y;
-    event.xbutton.time = ++time_;
-    for (const int type : {ButtonPress, ButtonRelease})
-      send(event, type, type == ButtonPress ? ButtonPressMask : ButtonReleaseMask);
+  void click(int x, int y) { drag(x, y, x, y); }
+  void drag(int x, int y, int to_x, int to_y) {
+    move(x, y);
+    button(ButtonPress, ButtonPressMask);
+    if (to_x != x || to_y != y) move(to_x, to_y);
+    button(ButtonRelease, ButtonReleaseMask);
   }
 
  private:
@@ -59,6 +56,16 @@ class WindowHand {
     }
     if (children) XFree(children);
     return found;
+  }
+  void move(int x, int y) {
+    XWarpPointer(display_, None, window_, 0, 0, 0, 0, x, y);
+    XSync(display_, False);
+  }
+  void button(int type, long mask) {
+    XEvent event{};
+    event.xbutton.button = Button1;
+    event.xbutton.time = ++time_;
+    send(event, type, mask);
   }
   void send(XEvent& event, int type, long mask) {
     event.xany.type = type;

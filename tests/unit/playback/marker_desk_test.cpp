@@ -156,10 +156,10 @@ TEST_F(ADeskOfMarkers, BeginsAsScannedAndScrubsAlongTheBar) {
   EXPECT_THAT(desk_->lines(""), Contains(HasSubstr("as scanned")));
   const double middle = kLayout.height - 0.5 * MarkerLayout::kBar;
   const auto azimuth = desk_->orbit().azimuth;
-  desk_->apply({.drag_x = 0.3, .held_from = MousePlace{10.0, middle}, .mouse = {450.0, 20.0}}, scene(), 0.0);
+  desk_->apply({.drag_x = 0.3, .dragged = MouseDrag{{10.0, middle}, {450.0, 20.0}}}, scene(), 0.0);
   EXPECT_EQ(desk_->frame(), 50);
   EXPECT_EQ(desk_->orbit().azimuth, azimuth);  // the bar is dragged, not the eye
-  desk_->apply({.held_from = MousePlace{10.0, middle}, .mouse = {5000.0, middle}}, scene(), 0.0);
+  desk_->apply({.dragged = MouseDrag{{10.0, middle}, {5000.0, middle}}}, scene(), 0.0);
   EXPECT_EQ(desk_->frame(), 99);
   click({0.0, middle});
   EXPECT_EQ(desk_->frame(), 0);

@@ -24,14 +24,20 @@ namespace fs = std::filesystem;
 class AnEditor : public testing::Test {
  protected:
   AnEditor()
-      : scan_(recon::prepare_scan(tests::scan_of(tests::someone()))),
-        motion_(recon::import_bvh(recon::parse_bvh(tests::bvh_text_with(90.0, 20.0)))),
-        editor_(scan_, recon::propose_markers(scan_.mesh, scan_.from_triangle, recon::fit_template(scan_.mesh))) {}
+      : motion_(recon::import_bvh(recon::parse_bvh(tests::bvh_text_with(90.0, 20.0)))), editor_(scan_, proposed()) {}
+
+  static const recon::Markers& proposed() {  // once: fitting takes its time
+    static const auto markers = [] {
+      const auto scan = recon::prepare_scan(tests::scan_of(tests::someone()));
+      return recon::propose_markers(scan.mesh, scan.from_triangle, recon::fit_template(scan.mesh));
+    }();
+    return markers;
+  }
 
   PreviewWish wish(std::optional<int> frame, bool residuals = false) const {
     return {editor_.revision(), frame, residuals};
   }
-  recon::PreparedScan scan_;
+  const recon::PreparedScan scan_ = recon::prepare_scan(tests::scan_of(tests::someone()));
   recon::BodyMotion motion_;
   recon::MarkerEditor editor_;
 };
@@ -162,13 +168,13 @@ class AnEditorInAWindow : public AnEditor {
     if (screen_.display().empty()) GTEST_SKIP() << "no Xvfb here: install the package xvfb";
   }
   // The window as hands use it; `hands` are in a thread of their own, and end it with q.
-  void edit(const std::function<void(tests::WindowHand&)>& hands) {
+  EditMarkersReport edit(const std::function<void(tests::WindowHand&)>& hands) {
     const std::jthread thread([&] {
       tests::WindowHand hand(screen_.display(), "rotunda: markers markers.yaml");
       hands(hand);
       hand.press(XK_q);
     });
-    edit_markers(scan_, editor_, keeper_, motion_, {.width = kWidth, .height = kHeight});
+    return edit_markers(scan_, editor_, keeper_, motion_, {.width = kWidth, .height = kHeight});
   }
 
   static constexpr int kWidth = 601, kHeight = 400;
@@ -212,6 +218,17 @@ TEST_F(AnEditorInAWindow, MakesPairsOfClicksAndKeepsThemUnsaved) {
   EXPECT_FALSE(fs::exists(keeper_.file()));
   ASSERT_TRUE(keeper_.left());
   EXPECT_EQ(keeper_.left()->pairs, pairs);
+}
+
+TEST_F(AnEditorInAWindow, ScrubsAndTurnsByDraggingAndThatIsNoClick) {
+  const auto before = editor_.markers().pairs;
+  const auto report = edit([](tests::WindowHand& hand) {
+    hand.press(XK_Tab);
+    hand.drag(kWidth / 4 + 4, kHeight / 2, kWidth / 4 + 60, kHeight / 2);  // over the body: the eye goes round
+    hand.drag(5, kHeight - 5, kWidth / 2, kHeight - 50);                   // from the bar: the middle of three frames
+  });
+  EXPECT_EQ(report.frame, 1);
+  EXPECT_EQ(editor_.markers().pairs, before);
 }
 
 TEST_F(AnEditorInAWindow, EndsAtItsLimitOfPictures) {
