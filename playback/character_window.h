@@ -13,6 +13,7 @@ struct CharacterPlayReport {
   long pictures = 0;
   double seconds = 0.0;       // from the first picture to the last
   double load_seconds = 0.0;  // from the call to the first picture
+  int lost_contexts = 0;      // of the graphics driver: everything was made anew
 };
 
 // Returns when the window is closed, the operator quits, or it is asked to stop. Call it on the program's first thread.

@@ -1,6 +1,7 @@
 #include "playback/live_player.h"
 
 #include <chrono>
+#include <tuple>
 
 #include "playback/display/window.h"
 #include "playback/eye_control.h"
@@ -15,6 +16,12 @@ constexpr auto kOldest = std::chrono::seconds(1);  // a picture is drawn anew: s
 
 struct LiveControl {
   bool held = false, ended = false;
+};
+
+// What of the stage outlasts a graphics context.
+struct Look {
+  Orbit orbit;
+  DrawOptions options;
 };
 
 void press(LiveStage& stage, LiveControl& control, Key key) {
@@ -56,36 +63,46 @@ bool has_any(const WindowInput& input) {
 }  // namespace
 
 LivePlayReport play_live(const std::function<std::optional<LiveView>()>& newest, const LivePlayOptions& options) {
-  Window window(
-      {.title = "rotunda live", .width = options.width, .height = options.height, .fullscreen = options.fullscreen});
-  LiveStage stage;
   LiveControl control;
+  std::optional<LiveView> shown;
+  std::optional<Look> look;
   LivePlayReport report;
   const auto begin = Clock::now();
-  cv::Size drawn;
-  auto drawn_at = begin - kOldest;
-  auto looked_at = begin;
-  while (window.is_open() && !control.ended && !options.stop.stop_requested()) {
-    const auto view = control.held ? std::nullopt : newest();
-    if (view) {
-      stage.show(*view);
-      ++report.surfaces;
+  const auto play_in = [&](Window& window) {
+    LiveStage stage;
+    if (shown) stage.show(*shown);
+    if (look) std::tie(stage.orbit(), stage.options()) = std::tie(look->orbit, look->options);
+    cv::Size drawn;
+    auto looked_at = Clock::now();
+    auto drawn_at = looked_at - kOldest;
+    while (window.is_open() && !control.ended && !options.stop.stop_requested()) {
+      auto view = control.held ? std::nullopt : newest();
+      const bool is_new = view.has_value();
+      if (view) {
+        shown = std::move(view);
+        stage.show(*shown);
+        ++report.surfaces;
+      }
+      const auto input = window.take_input();
+      const auto now = Clock::now();
+      apply(stage, control, input, std::chrono::duration<double>(now - looked_at).count());
+      look = {stage.orbit(), stage.options()};
+      looked_at = now;
+      const cv::Size size(window.width(), window.height());
+      if (!size.empty() && (is_new || has_any(input) || size != drawn || now - drawn_at >= kOldest)) {
+        window.bind();
+        stage.draw(size.width, size.height);
+        window.present();
+        ++report.pictures;
+        drawn = size;
+        drawn_at = now;
+      }
+      window.wait_for_input(kLook_s);
     }
-    const auto input = window.take_input();
-    const auto now = Clock::now();
-    apply(stage, control, input, std::chrono::duration<double>(now - looked_at).count());
-    looked_at = now;
-    const cv::Size size(window.width(), window.height());
-    if (!size.empty() && (view || has_any(input) || size != drawn || now - drawn_at >= kOldest)) {
-      window.bind();
-      stage.draw(size.width, size.height);
-      window.present();
-      ++report.pictures;
-      drawn = size;
-      drawn_at = now;
-    }
-    window.wait_for_input(kLook_s);
-  }
+  };
+  report.lost_contexts = with_window(
+      {.title = "rotunda live", .width = options.width, .height = options.height, .fullscreen = options.fullscreen},
+      play_in);
   report.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
   return report;
 }

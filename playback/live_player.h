@@ -20,6 +20,7 @@ struct LivePlayReport {
   long pictures = 0;  // drawn in the window
   long surfaces = 0;  // shown
   double seconds = 0.0;
+  int lost_contexts = 0;  // of the graphics driver: everything was made anew
 };
 
 // `newest`: the newest view that was not handed yet, or nothing; never waits. Returns when the window is closed, the

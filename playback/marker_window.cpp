@@ -39,7 +39,8 @@ std::vector<std::string> lines_of(const std::string& text) {
   return lines;
 }
 
-// One editor on the screen: desk, preview and view, and how they hang together.
+// One editor on the screen: desk and preview, and how they and a view hang together. The view is lent: it lives in a
+// graphics context, which may be lost.
 class Session {
  public:
   Session(const recon::PreparedScan& scan, recon::MarkerEditor& editor, const recon::BodyMotion& motion, int width,
@@ -48,7 +49,10 @@ class Session {
         editor_(editor),
         desk_(editor, told_of(motion), front_),
         preview_(scan, editor.markers().fit.value(), motion),
-        at_scan_(editor.markers().fit->pose.root) {
+        at_scan_(editor.markers().fit->pose.root) {}
+
+  void draw_with(MarkerView& view) {
+    view_ = &view;
     show(preview_.newest());
   }
 
@@ -64,14 +68,14 @@ class Session {
     return true;
   }
   void wait() { show(preview_.wait_for(wish(), editor_.markers())); }
-  void relabel() { view_.show(shown_, desk_); }
+  void relabel() { view_->show(shown_, desk_); }
 
   void draw(const MarkerLayout& layout, const std::string& rate) {
     auto lines = desk_.lines(rate);
     if (binds_) lines[0] += "   binding the scan";
     const auto told = lines_of(shown_->told);
     lines.insert(lines.begin() + 2, told.begin(), told.end());
-    view_.draw(desk_, layout, lines);
+    view_->draw(desk_, layout, lines);
   }
   MarkerScene scene(const MarkerLayout& layout) const { return {shown_->body, shown_->scan, layout}; }
 
@@ -80,7 +84,7 @@ class Session {
   void show(std::shared_ptr<const Preview> preview) {
     shown_ = std::move(preview);
     desk_.look_at(front_.target + shown_->performer - at_scan_);
-    view_.show(shown_, desk_);
+    view_->show(shown_, desk_);
   }
 
   Orbit front_;
@@ -89,7 +93,7 @@ class Session {
   MarkerPreview preview_;
   Eigen::Vector3d at_scan_;
   std::shared_ptr<const Preview> shown_;
-  MarkerView view_;
+  MarkerView* view_ = nullptr;
   bool binds_ = false;
 };
 
@@ -119,39 +123,44 @@ void keep(MarkerDesk& desk, recon::MarkerEditor& editor, recon::MarkerKeeper& ke
 EditMarkersReport edit_markers(const recon::PreparedScan& scan, recon::MarkerEditor& editor,
                                recon::MarkerKeeper& keeper, const recon::BodyMotion& motion,
                                const EditMarkersOptions& options) {
-  Window window({.title = "rotunda: markers " + keeper.file().filename().string(),
-                 .width = options.width,
-                 .height = options.height,
-                 .fullscreen = options.fullscreen});
   Session session(scan, editor, motion, options.width, options.height);
   MarkerDesk& desk = session.desk();
   EditMarkersReport report;
   PictureClock clock;
-  MarkerLayout layout{0, 0};
-  int stood = kRedrawn;  // looks at the input since the last picture
-  while (window.is_open() && !desk.ended() && !options.stop.stop_requested() &&
-         (options.picture_limit == 0 || report.pictures < options.picture_limit)) {
-    const double passed = clock.begin();
-    const MarkerLayout before = layout;
-    layout = {window.width(), window.height()};
-    const auto input = window.take_input();
-    if (layout.has_room()) desk.apply(input, session.scene(layout), passed);
-    keep(desk, editor, keeper);
-    desk.go_on(passed);
-    const bool other = session.refresh();
-    const bool still = !other && is_idle(input) && !desk.moves() && before == layout;
-    if (still && options.picture_limit == 0 && ++stood < kRedrawn) {
-      window.wait_for_input(0.05);
-      continue;
+  const auto edit_in = [&](Window& window) {
+    MarkerView view;
+    session.draw_with(view);
+    MarkerLayout layout{0, 0};
+    int stood = kRedrawn;  // looks at the input since the last picture
+    while (window.is_open() && !desk.ended() && !options.stop.stop_requested() &&
+           (options.picture_limit == 0 || report.pictures < options.picture_limit)) {
+      const double passed = clock.begin();
+      const MarkerLayout before = layout;
+      layout = {window.width(), window.height()};
+      const auto input = window.take_input();
+      if (layout.has_room()) desk.apply(input, session.scene(layout), passed);
+      keep(desk, editor, keeper);
+      desk.go_on(passed);
+      const bool other = session.refresh();
+      const bool still = !other && is_idle(input) && !desk.moves() && before == layout;
+      if (still && options.picture_limit == 0 && ++stood < kRedrawn) {
+        window.wait_for_input(0.05);
+        continue;
+      }
+      stood = 0;
+      session.relabel();
+      window.bind();
+      session.draw(layout, clock.told());
+      window.present();
+      ++report.pictures;
+      clock.end(false);
     }
-    stood = 0;
-    session.relabel();
-    window.bind();
-    session.draw(layout, clock.told());
-    window.present();
-    ++report.pictures;
-    clock.end(false);
-  }
+  };
+  report.lost_contexts = with_window({.title = "rotunda: markers " + keeper.file().filename().string(),
+                                      .width = options.width,
+                                      .height = options.height,
+                                      .fullscreen = options.fullscreen},
+                                     edit_in);
   report.seconds = clock.seconds();
   report.frame = desk.frame();
   return report;
@@ -163,6 +172,8 @@ cv::Mat picture_of_markers(const recon::PreparedScan& scan, recon::MarkerEditor&
   const RenderTarget target(width, height);
   const MarkerLayout layout{width, height};
   Session session(scan, editor, motion, width, height);
+  MarkerView view;
+  session.draw_with(view);
   cv::Mat both;
   const auto draw = [&] {
     session.wait();

@@ -17,16 +17,20 @@ namespace {
 // Brings frames onto the view as they are made.
 class Projector {
  public:
-  Projector(recon::GeometryVideoReader& video, const PlayOptions& options)
-      : aligned_(video.header().aligned), frames_(video.frame_count()), fetcher_(video, {.level = options.level}) {
+  // Counts in `frames_shown`.
+  Projector(recon::GeometryVideoReader& video, const PlayOptions& options, long& frames_shown)
+      : frames_shown_(frames_shown),
+        aligned_(video.header().aligned),
+        frames_(video.frame_count()),
+        fetcher_(video, {.level = options.level}) {
     if (options.pictures)
       pictures_.emplace(options.pictures, static_cast<std::size_t>(video.header().first_frame), frames_);
     view_.show(*fetcher_.wait_for(0));
+    ++frames_shown_;
   }
 
   TakeView& view() { return view_; }
   double shown() const { return shown_; }  // frames from 0; between them a fraction
-  long frames_shown() const { return frames_shown_; }
 
   // False if it is not made yet: then the view stays as it was.
   bool show(double at, bool in_pictures) {
@@ -55,6 +59,7 @@ class Projector {
     view_.show(between);
   }
 
+  long& frames_shown_;
   const bool aligned_;
   const int frames_;
   FrameFetcher fetcher_;
@@ -62,7 +67,6 @@ class Projector {
   TakeView view_;
   double shown_ = 0.0;
   bool in_pictures_ = false;
-  long frames_shown_ = 1;
 };
 
 }  // namespace
@@ -70,10 +74,6 @@ class Projector {
 PlayReport play(recon::GeometryVideoReader& video, const PlayOptions& options) {
   const recon::GeometryVideoHeader& header = video.header();
   const FrameRange all{0, header.frame_count()};
-  Window window(
-      {.title = "rotunda", .width = options.width, .height = options.height, .fullscreen = options.fullscreen});
-  Projector projector(video, options);
-  Overlay overlay;
   TakeDesk desk({.frames = all.count(),
                  .first_frame = static_cast<int>(header.first_frame),
                  .fps = header.fps,
@@ -81,28 +81,34 @@ PlayReport play(recon::GeometryVideoReader& video, const PlayOptions& options) {
                 orbit_around(header.box));
   PlayReport report;
   PictureClock clock;
-  while (window.is_open() && !desk.ended() && !options.stop.stop_requested() &&
-         (options.picture_limit == 0 || report.pictures < options.picture_limit)) {
-    const double passed = clock.begin();
-    desk.go_on(passed);
-    if (!projector.show(desk.at(), desk.shows_pictures())) {
-      if (desk.shows_pictures()) desk.wait();
-      ++report.late;
+  const auto play_in = [&](Window& window) {
+    Projector projector(video, options, report.frames);
+    Overlay overlay;
+    while (window.is_open() && !desk.ended() && !options.stop.stop_requested() &&
+           (options.picture_limit == 0 || report.pictures < options.picture_limit)) {
+      const double passed = clock.begin();
+      desk.go_on(passed);
+      if (!projector.show(desk.at(), desk.shows_pictures())) {
+        if (desk.shows_pictures()) desk.wait();
+        ++report.late;
+      }
+      if (window.width() > 0 && window.height() > 0) {
+        const auto performer = performer_place(performer_path(header), all, projector.shown());
+        desk.look_at(performer);
+        window.bind();
+        projector.view().draw(desk.orbit().viewpoint(window.width(), window.height()), performer, desk.draw(),
+                              clock.coarser());
+        overlay.draw(text_card(desk.lines(clock.told())), 12, 12, window.width(), window.height());
+      }
+      window.present();
+      ++report.pictures;
+      desk.apply(window.take_input(), passed);
+      clock.end(!desk.shows_pictures());
     }
-    if (window.width() > 0 && window.height() > 0) {
-      const auto performer = performer_place(performer_path(header), all, projector.shown());
-      desk.look_at(performer);
-      window.bind();
-      projector.view().draw(desk.orbit().viewpoint(window.width(), window.height()), performer, desk.draw(),
-                            clock.coarser());
-      overlay.draw(text_card(desk.lines(clock.told())), 12, 12, window.width(), window.height());
-    }
-    window.present();
-    ++report.pictures;
-    desk.apply(window.take_input(), passed);
-    clock.end(!desk.shows_pictures());
-  }
-  report.frames = projector.frames_shown();
+  };
+  report.lost_contexts = with_window(
+      {.title = "rotunda", .width = options.width, .height = options.height, .fullscreen = options.fullscreen},
+      play_in);
   report.seconds = clock.seconds();
   return report;
 }

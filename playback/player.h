@@ -20,10 +20,11 @@ struct PlayOptions {
 };
 
 struct PlayReport {
-  long pictures = 0;     // drawn in the window
-  long frames = 0;       // of the video shown
-  long late = 0;         // pictures that had to show an older frame, as the right one was not yet decoded or keyed
-  double seconds = 0.0;  // from the first picture to the last
+  long pictures = 0;      // drawn in the window
+  long frames = 0;        // of the video shown
+  long late = 0;          // pictures that had to show an older frame, as the right one was not yet decoded or keyed
+  double seconds = 0.0;   // from the first picture to the last
+  int lost_contexts = 0;  // of the graphics driver: everything was made anew
 };
 
 // Returns when the window is closed, the operator quits, or it is asked to stop. Call it on the program's first thread.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <optional>
 #include <utility>
 
@@ -11,6 +12,7 @@
 
 #include "config/errors.h"
 #include "playback/display/click_finder.h"
+#include "playback/display/context_reset.h"
 
 namespace rotunda::playback {
 namespace {
@@ -71,6 +73,7 @@ struct Window::Handles {
   WindowInput input;
   double last_x = 0.0, last_y = 0.0;  // of the mouse, screen coordinates
   std::array<bool, 6> held{};         // of the gamepad's buttons
+  std::optional<ContextReset> reset;
 
   static Handles& of(GLFWwindow* window) { return *static_cast<Handles*>(glfwGetWindowUserPointer(window)); }
 
@@ -132,8 +135,13 @@ Window::Window(const WindowOptions& options) : handles_(std::make_unique<Handles
   glfwWindowHint(GLFW_DEPTH_BITS, 24);
   GLFWmonitor* monitor = options.fullscreen ? glfwGetPrimaryMonitor() : nullptr;
   const GLFWvidmode* mode = monitor ? glfwGetVideoMode(monitor) : nullptr;
-  handles_->window = glfwCreateWindow(mode ? mode->width : options.width, mode ? mode->height : options.height,
-                                      options.title.c_str(), monitor, nullptr);
+  // Told of a reset where the driver can tell.
+  for (const int robustness : {GLFW_LOSE_CONTEXT_ON_RESET, GLFW_NO_ROBUSTNESS}) {
+    glfwWindowHint(GLFW_CONTEXT_ROBUSTNESS, robustness);
+    if (!handles_->window)
+      handles_->window = glfwCreateWindow(mode ? mode->width : options.width, mode ? mode->height : options.height,
+                                          options.title.c_str(), monitor, nullptr);
+  }
   if (!handles_->window) {
     const char* reason = nullptr;
     glfwGetError(&reason);
@@ -148,6 +156,7 @@ Window::Window(const WindowOptions& options) : handles_(std::make_unique<Handles
   glfwSetCursorPosCallback(handles_->window, Handles::on_mouse);
   glfwMakeContextCurrent(handles_->window);
   glfwSwapInterval(1);
+  handles_->reset.emplace();
 }
 
 Window::~Window() {
@@ -178,6 +187,7 @@ void Window::bind() const {
 
 void Window::present() {
   glfwSwapBuffers(handles_->window);
+  if (handles_->reset->happened()) throw ContextLost();
   glfwPollEvents();
 }
 
@@ -191,6 +201,26 @@ WindowInput Window::take_input() {
   for (std::size_t i = 0; i < held.size(); ++i)
     if (handles_->held[i] && !held[i]) handles_->input.buttons.push_back(static_cast<Button>(i));
   return std::exchange(handles_->input, {});
+}
+
+int with_window(WindowOptions options, const std::function<void(Window&)>& use) {
+  using Clock = std::chrono::steady_clock;
+  constexpr int kMostOnEnd = 10;
+  constexpr auto kSoon = std::chrono::seconds(5);
+  for (int lost = 0, on_end = 0;; ++lost) {
+    const auto begin = Clock::now();
+    Window window(options);
+    try {
+      use(window);
+      return lost;
+    } catch (const ContextLost&) {
+      on_end = Clock::now() - begin < kSoon ? on_end + 1 : 0;
+      if (on_end == kMostOnEnd) throw;
+      if (window.width() <= 0 || window.height() <= 0) continue;
+      options.width = window.width();
+      options.height = window.height();
+    }
+  }
 }
 
 }  // namespace rotunda::playback

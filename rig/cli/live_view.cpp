@@ -84,8 +84,11 @@ int play_in_window(const std::function<std::optional<playback::LiveView>()>& new
   const auto report = playback::play_live(
       newest, {.width = size.width, .height = size.height, .fullscreen = request.fullscreen, .stop = std::move(stop)});
   if (request.json)
-    fmt::print("{}\n",
-               json{{"pictures", report.pictures}, {"surfaces", report.surfaces}, {"seconds", report.seconds}}.dump(2));
+    fmt::print("{}\n", json{{"pictures", report.pictures},
+                            {"surfaces", report.surfaces},
+                            {"seconds", report.seconds},
+                            {"lost_contexts", report.lost_contexts}}
+                           .dump(2));
   return kDone;
 }
 

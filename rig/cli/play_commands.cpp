@@ -38,9 +38,11 @@ std::optional<fs::path> only_live_surfaces(const CommandLine& line, const std::s
 int play_character(const CommandLine& line, const fs::path& character, const playback::PlayOptions& options) {
   const auto report = playback::play_character(character, recon::open_character(character), options);
   if (line.json)
-    fmt::print(
-        "{}\n",
-        json{{"pictures", report.pictures}, {"seconds", report.seconds}, {"load_s", report.load_seconds}}.dump(2));
+    fmt::print("{}\n", json{{"pictures", report.pictures},
+                            {"seconds", report.seconds},
+                            {"load_s", report.load_seconds},
+                            {"lost_contexts", report.lost_contexts}}
+                           .dump(2));
   return kDone;
 }
 
@@ -58,7 +60,8 @@ int play(const CommandLine& line, const std::string& clip, playback::PlayOptions
     fmt::print("{}\n", json{{"pictures", report.pictures},
                             {"frames", report.frames},
                             {"late", report.late},
-                            {"seconds", report.seconds}}
+                            {"seconds", report.seconds},
+                            {"lost_contexts", report.lost_contexts}}
                            .dump(2));
   return kDone;
 }

@@ -40,6 +40,14 @@ class WindowHand {
     if (to_x != x || to_y != y) move(to_x, to_y);
     button(ButtonRelease, ButtonReleaseMask);
   }
+  // Of what the window shows there, 0 to 255.
+  int brightness_at(int x, int y) {
+    XImage* image = XGetImage(display_, window_, x, y, 1, 1, AllPlanes, ZPixmap);
+    if (!image) throw std::runtime_error("the window shows nothing");
+    const unsigned long pixel = XGetPixel(image, 0, 0);
+    XDestroyImage(image);
+    return static_cast<int>(((pixel & 0xFF) + (pixel >> 8 & 0xFF) + (pixel >> 16 & 0xFF)) / 3);
+  }
 
  private:
   ::Window find(::Window under, const std::string& title) {
