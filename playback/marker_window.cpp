@@ -39,8 +39,8 @@ std::vector<std::string> lines_of(const std::string& text) {
   return lines;
 }
 
-// One editor on the screen: desk and preview, and how they and a view hang together. The view is lent: it lives in a
-// graphics context, which may be lost.
+// One editor on the screen: desk and preview, and how they and a view, which lives in a graphics context and may be
+// lost with it, hang together.
 class Session {
  public:
   Session(const recon::PreparedScan& scan, recon::MarkerEditor& editor, const recon::BodyMotion& motion, int width,
@@ -49,10 +49,7 @@ class Session {
         editor_(editor),
         desk_(editor, told_of(motion), front_),
         preview_(scan, editor.markers().fit.value(), motion),
-        at_scan_(editor.markers().fit->pose.root) {}
-
-  void draw_with(MarkerView& view) {
-    view_ = &view;
+        at_scan_(editor.markers().fit->pose.root) {
     show(preview_.newest());
   }
 
@@ -68,14 +65,14 @@ class Session {
     return true;
   }
   void wait() { show(preview_.wait_for(wish(), editor_.markers())); }
-  void relabel() { view_->show(shown_, desk_); }
-
-  void draw(const MarkerLayout& layout, const std::string& rate) {
+  // Into the bound framebuffer. The view is the context's.
+  void draw(MarkerView& view, const MarkerLayout& layout, const std::string& rate) {
     auto lines = desk_.lines(rate);
     if (binds_) lines[0] += "   binding the scan";
     const auto told = lines_of(shown_->told);
     lines.insert(lines.begin() + 2, told.begin(), told.end());
-    view_->draw(desk_, layout, lines);
+    view.show(shown_, desk_);
+    view.draw(desk_, layout, lines);
   }
   MarkerScene scene(const MarkerLayout& layout) const { return {shown_->body, shown_->scan, layout}; }
 
@@ -84,7 +81,6 @@ class Session {
   void show(std::shared_ptr<const Preview> preview) {
     shown_ = std::move(preview);
     desk_.look_at(front_.target + shown_->performer - at_scan_);
-    view_->show(shown_, desk_);
   }
 
   Orbit front_;
@@ -93,7 +89,6 @@ class Session {
   MarkerPreview preview_;
   Eigen::Vector3d at_scan_;
   std::shared_ptr<const Preview> shown_;
-  MarkerView* view_ = nullptr;
   bool binds_ = false;
 };
 
@@ -129,7 +124,6 @@ EditMarkersReport edit_markers(const recon::PreparedScan& scan, recon::MarkerEdi
   PictureClock clock;
   const auto edit_in = [&](Window& window) {
     MarkerView view;
-    session.draw_with(view);
     MarkerLayout layout{0, 0};
     int stood = kRedrawn;  // looks at the input since the last picture
     while (window.is_open() && !desk.ended() && !options.stop.stop_requested() &&
@@ -148,9 +142,8 @@ EditMarkersReport edit_markers(const recon::PreparedScan& scan, recon::MarkerEdi
         continue;
       }
       stood = 0;
-      session.relabel();
       window.bind();
-      session.draw(layout, clock.told());
+      session.draw(view, layout, clock.told());
       window.present();
       ++report.pictures;
       clock.end(false);
@@ -173,12 +166,11 @@ cv::Mat picture_of_markers(const recon::PreparedScan& scan, recon::MarkerEditor&
   const MarkerLayout layout{width, height};
   Session session(scan, editor, motion, width, height);
   MarkerView view;
-  session.draw_with(view);
   cv::Mat both;
   const auto draw = [&] {
     session.wait();
     target.bind();
-    session.draw(layout, "");
+    session.draw(view, layout, "");
     cv::Mat rgb;
     cv::cvtColor(target.read_rgba(), rgb, cv::COLOR_RGBA2RGB);
     both.push_back(rgb);

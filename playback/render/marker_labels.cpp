@@ -126,18 +126,26 @@ MarkerLabels::MarkerLabels()
       places_(make_buffer()),
       shown_(make_buffer()) {}
 
-void MarkerLabels::set(std::vector<MarkerLabel> labels) {
-  labels_ = std::move(labels);
-  if (labels_.empty()) return;
+void MarkerLabels::paint_cells() {
   cv::Mat cells(rows_for(labels_.size()) * kCellHeight, kColumns * kCellWidth, CV_8UC4, cv::Scalar(0, 0, 0, 0));
-  std::vector<Eigen::Vector3f> places;
+  int i = 0;
   for (const auto& label : labels_) {
-    const auto i = static_cast<int>(places.size());
     paint(cells(cv::Rect(i % kColumns * kCellWidth, i / kColumns * kCellHeight, kCellWidth, kCellHeight)), label);
-    places.push_back(label.place);
+    ++i;
   }
   cells_ = make_texture();
   upload(cells_, cells);
+}
+
+// Painting text costs more than all else: it is done when labels look otherwise, not when they move.
+void MarkerLabels::set(std::vector<MarkerLabel> labels) {
+  const bool alike = std::equal(labels.begin(), labels.end(), labels_.begin(), labels_.end(),
+                                [](const auto& a, const auto& b) { return a.looks_like(b); });
+  labels_ = std::move(labels);
+  if (labels_.empty()) return;
+  if (!alike) paint_cells();
+  std::vector<Eigen::Vector3f> places;
+  for (const auto& label : labels_) places.push_back(label.place);
   glBindVertexArray(vertices_.get());
   upload(0, places_, places);
 }

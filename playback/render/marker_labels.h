@@ -19,6 +19,9 @@ struct MarkerLabel {
   recon::Colour colour{255, 255, 255};
   std::string text;
   bool selected = false;  // drawn larger, with a ring
+  bool looks_like(const MarkerLabel& other) const {
+    return colour == other.colour && text == other.text && selected == other.selected;
+  }
 };
 
 // Which of them have room for their text: no two overlap, the selected first, then as they are listed.
@@ -32,6 +35,8 @@ class MarkerLabels {
   void draw(const Viewpoint& viewpoint, const DepthRange& range);
 
  private:
+  void paint_cells();
+
   GlProgram program_;
   GlVertexArray vertices_;
   GlBuffer places_, shown_;
