@@ -170,6 +170,7 @@ std::vector<std::string> MarkerDesk::lines(const std::string& rate) const {
   if (const auto* marker = editor_.selected())
     state += fmt::format("   selected: {} on {}", marker->number,
                          recon::segment_name(recon::segment_of_triangle(marker->template_triangle)));
+  if (const auto* mirror = editor_.mirror_of_selected()) state += fmt::format(", with {}", mirror->number);
   state += editor_.changed() ? "   not saved" : "";
   lines.insert(lines.begin() + 1, state);
   const bool help = lines.size() > 2;

@@ -102,13 +102,15 @@ void MarkerView::set_labels(const MarkerDesk& desk) {
     label.colour = look.colour;
     label.text = look.text;
     label.selected = look.selected;
+    label.goes_along = look.goes_along;
     side.push_back(label);
   };
-  const auto* selected = desk.editor().selected();
+  const auto *selected = desk.editor().selected(), *mirror = desk.editor().mirror_of_selected();
   for (const auto& marker : desk.editor().markers().pairs) {
     const MarkerLabel look{.colour = segment_colour(recon::segment_of_triangle(marker.template_triangle)),
                            .text = std::to_string(marker.number),
-                           .selected = selected && selected->number == marker.number};
+                           .selected = selected && selected->number == marker.number,
+                           .goes_along = mirror && mirror->number == marker.number};
     add(left, shown_->body, marker.template_triangle, look);
     add(right, shown_->scan, desk.editor().on_prepared(marker), look);
   }

@@ -13,7 +13,7 @@ namespace {
 // Each label is painted into its cell of one picture.
 constexpr int kCellWidth = 48, kCellHeight = 22, kColumns = 16;
 constexpr int kDotX = 10, kDotY = 11;  // the dot's middle in the cell
-constexpr int kDotWidth = 16;          // of a cell: what is left of the text
+constexpr int kDotWidth = 18;          // of a cell: what is left of the text
 constexpr double kTextSize = 0.35;
 // Metres towards the eye, so that the surface about a dot does not cut it; text before the dots beside it.
 constexpr float kInFront = 0.02F, kTextInFront = 0.05F;
@@ -56,10 +56,10 @@ void paint(cv::Mat cell, const MarkerLabel& label) {
   const cv::Point middle(kDotX, kDotY);
   const cv::Scalar dark(12, 12, 14, 255), light(255, 255, 255, 255),
       own(label.colour[0], label.colour[1], label.colour[2], 255);
-  if (label.selected) cv::circle(cell, middle, 9, light, cv::FILLED);
+  if (label.selected || label.goes_along) cv::circle(cell, middle, label.selected ? 9 : 7, light, cv::FILLED);
   cv::circle(cell, middle, label.selected ? 7 : 5, dark, cv::FILLED);
   cv::circle(cell, middle, label.selected ? 6 : 4, own, cv::FILLED);
-  const cv::Point text(kDotX + (label.selected ? 11 : 8), kDotY + 4);
+  const cv::Point text(kDotX + (label.selected ? 11 : 9), kDotY + 4);
   cv::putText(cell, label.text, text, cv::FONT_HERSHEY_SIMPLEX, kTextSize, dark, 3);
   cv::putText(cell, label.text, text, cv::FONT_HERSHEY_SIMPLEX, kTextSize,
               label.selected ? cv::Scalar(255, 235, 60, 255) : light, 1);
@@ -114,9 +114,10 @@ std::vector<bool> with_text(std::span<const MarkerLabel> labels, const Viewpoint
     with[i] = std::none_of(taken.begin(), taken.end(), [&](const cv::Rect& other) { return !(other & *cell).empty(); });
     if (with[i]) taken.push_back(*cell);
   };
-  for (const bool selected : {true, false})
+  const auto matters = [](const MarkerLabel& label) { return label.selected || label.goes_along; };
+  for (const bool first : {true, false})
     for (std::size_t i = 0; i < labels.size(); ++i)
-      if (labels[i].selected == selected) take(i);
+      if (matters(labels[i]) == first) take(i);
   return with;
 }
 
@@ -154,8 +155,9 @@ void MarkerLabels::draw(const Viewpoint& viewpoint, const DepthRange& range) {
   if (labels_.empty()) return;
   std::vector<Eigen::Vector2f> shown;
   for (const bool text : with_text(labels_, viewpoint)) {
-    const float dot = faces(labels_[shown.size()], viewpoint) ? static_cast<float>(kDotWidth) / kCellWidth : 0.0F;
-    shown.emplace_back(text ? 1.0F : dot, text ? kTextInFront : kInFront);
+    const auto& label = labels_[shown.size()];
+    const float dot = faces(label, viewpoint) ? static_cast<float>(kDotWidth) / kCellWidth : 0.0F;
+    shown.emplace_back(text ? 1.0F : dot, text || label.goes_along ? kTextInFront : kInFront);
   }
   glBindVertexArray(vertices_.get());
   upload(1, shown_, shown);

@@ -18,9 +18,10 @@ struct MarkerLabel {
   Eigen::Vector3f normal = Eigen::Vector3f::UnitZ();  // outwards; any length
   recon::Colour colour{255, 255, 255};
   std::string text;
-  bool selected = false;  // drawn larger, with a ring
+  bool selected = false;    // drawn larger, with a ring
+  bool goes_along = false;  // with the selected one: a thin ring
   bool looks_like(const MarkerLabel& other) const {
-    return colour == other.colour && text == other.text && selected == other.selected;
+    return colour == other.colour && text == other.text && selected == other.selected && goes_along == other.goes_along;
   }
 };
 

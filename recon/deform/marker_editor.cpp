@@ -69,6 +69,12 @@ const Marker* MarkerEditor::selected() const {
   return place ? &markers_.pairs[*place] : nullptr;
 }
 
+const Marker* MarkerEditor::mirror_of_selected() const {
+  const auto* marker = selected();
+  const auto twin = marker && symmetric_ ? twin_of(*marker) : std::nullopt;
+  return twin ? &markers_.pairs[*twin] : nullptr;
+}
+
 void MarkerEditor::select_next(int step) {
   const auto count = static_cast<int>(markers_.pairs.size());
   const auto place = place_of_selected();
@@ -149,10 +155,9 @@ MarkerEdit MarkerEditor::move(const Marker& to) {
 
 // Where the twin of the selected pair goes when that goes to `to`; nothing if there is none, or no mirrored place.
 std::optional<Marker> MarkerEditor::moved_twin(const Marker& to) const {
-  if (!symmetric_ || on_midline(to.template_triangle)) return std::nullopt;
-  const auto twin = twin_of(*selected());
-  if (!twin) return std::nullopt;
-  return mirrored_of(to, markers_.pairs[*twin].number);
+  const auto* twin = mirror_of_selected();
+  if (!twin || on_midline(to.template_triangle)) return std::nullopt;
+  return mirrored_of(to, twin->number);
 }
 
 MarkerEdit MarkerEditor::move_on_template(std::uint32_t template_triangle) {
@@ -168,18 +173,14 @@ MarkerEdit MarkerEditor::move_on_scan(std::uint32_t scan_triangle) {
 }
 
 MarkerEdit MarkerEditor::remove() {
-  const auto place = place_of_selected();
-  if (!place) return {false, "no marker is selected"};
-  std::string told = "taken away: marker " + name_of(markers_.pairs[*place]);
-  std::vector<std::size_t> leaving{*place};
-  if (const auto twin = symmetric_ ? twin_of(markers_.pairs[*place]) : std::nullopt) {
-    told += " and its mirror " + name_of(markers_.pairs[*twin]);
-    leaving.push_back(*twin);
-  }
-  if (leaving.size() >= markers_.pairs.size()) return {false, "one marker at least must stay"};
+  const auto *leaving = selected(), *twin = mirror_of_selected();
+  if (!leaving) return {false, "no marker is selected"};
+  std::string told = "taken away: marker " + name_of(*leaving);
+  if (twin) told += " and its mirror " + name_of(*twin);
   Pairs pairs;
-  for (std::size_t i = 0; i < markers_.pairs.size(); ++i)
-    if (std::find(leaving.begin(), leaving.end(), i) == leaving.end()) pairs.push_back(markers_.pairs[i]);
+  for (const auto& marker : markers_.pairs)
+    if (&marker != leaving && &marker != twin) pairs.push_back(marker);
+  if (pairs.empty()) return {false, "one marker at least must stay"};
   return take(std::move(pairs), std::move(told));
 }
 

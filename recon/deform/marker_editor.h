@@ -29,7 +29,8 @@ class MarkerEditor {
   const Markers& markers() const { return markers_; }
   std::uint32_t on_prepared(const Marker& marker) const;  // the scan's triangle as the prepared scan numbers it
 
-  const Marker* selected() const;  // nothing: null
+  const Marker* selected() const;            // nothing: null
+  const Marker* mirror_of_selected() const;  // the pair that goes along with it; null: none, or one side is edited
   void select(std::optional<int> number) { selected_ = number; }
   void select_next(int step);  // round and round, in the order of the list
 

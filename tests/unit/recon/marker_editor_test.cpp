@@ -83,6 +83,8 @@ TEST_F(AnEditorOfMarkers, MakesMovesAndTakesAwayOnBothSides) {
   EXPECT_EQ(segment_of_triangle(editor.on_prepared(pairs[2])), kForearmRight);
 
   editor.select(9);
+  ASSERT_NE(editor.mirror_of_selected(), nullptr);
+  EXPECT_EQ(editor.mirror_of_selected()->number, 8);
   const auto before = pairs[1];
   EXPECT_TRUE(editor.move_on_scan(on(kForearmRight, 90)).done);
   EXPECT_EQ(pairs[2].scan_triangle, in_file(on(kForearmRight, 90)));
@@ -102,6 +104,7 @@ TEST_F(AnEditorOfMarkers, LeavesTheOtherSideAloneWhenAsked) {
   EXPECT_EQ(editor.markers().pairs.size(), 2U);
   editor.add(on(kForearmRight), on(kForearmRight));
   editor.select(2);
+  EXPECT_EQ(editor.mirror_of_selected(), nullptr);
   editor.remove();
   EXPECT_EQ(editor.markers().pairs.size(), 2U);
 }
