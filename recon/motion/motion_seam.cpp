@@ -16,6 +16,7 @@ constexpr double kPatience = 0.4;          // seconds between ways out of a stat
 constexpr double kPassable = 0.025;        // metres rms
 constexpr int kLongestLeave = 15;          // frames of a blend between clips
 constexpr double kStandsOut = 1.5;         // of a clip's median largest step: what is more is seen
+constexpr double kSlides = 10.0;           // millimetres that a standing foot goes: what is more is seen
 constexpr int kLongestBlend = 25;          // frames: a second; the quiet motions of standing bear it
 constexpr double kSole = 0.03;             // metres above the floor
 constexpr float kHold = 50.0F;             // what a standing foot's surface counts against the rest
@@ -25,10 +26,15 @@ struct Found {
   double distance = 1e9;
 };
 
+// Nobody sees a seam of 1 and less.
+double flaw(const Join& join) {
+  return std::max(join.price.step_ratio / kStandsOut, join.price.slide_mm / kSlides);
+}
+
 // Of seams that nobody sees the one whose surfaces are nearest, else the one that stands out least.
 bool better(const Join& a, const Join& b) {
-  const bool seen = std::max(a.price.step_ratio, b.price.step_ratio) > kStandsOut;
-  return seen ? a.price.step_ratio < b.price.step_ratio : a.price.error_mm < b.price.error_mm;
+  const bool seen = std::max(flaw(a), flaw(b)) > 1.0;
+  return seen ? flaw(a) < flaw(b) : a.price.error_mm < b.price.error_mm;
 }
 
 double not_much_worse(double best) {
@@ -218,16 +224,16 @@ std::vector<Found> kept(const std::vector<Found>& found, double limit, int patie
   return chosen;
 }
 
-// Seams that are seen are left out where another comes within the patience.
-std::vector<Join> least_seen(const std::vector<Join>& joins, int patience) {
-  const auto unseen = [](const Join& join) { return join.price.step_ratio <= kStandsOut; };
-  std::vector<Join> kept;
-  for (auto join = joins.begin(); join != joins.end(); ++join) {
-    const auto next = std::find_if(join, joins.end(), unseen);
-    const int last = kept.empty() ? joins.front().leave : kept.back().leave;
-    if (next == join || next == joins.end() || next->leave - last > patience) kept.push_back(*join);
-  }
-  return kept;
+// Seams that are seen are left out where another is within the patience before or after.
+std::vector<Join> least_seen(std::vector<Join> joins, int patience) {
+  std::vector<int> unseen;
+  for (const auto& join : joins)
+    if (flaw(join) <= 1.0) unseen.push_back(join.leave);
+  std::erase_if(joins, [&](const Join& join) {
+    return flaw(join) > 1.0 &&
+           std::ranges::any_of(unseen, [&](int leave) { return std::abs(leave - join.leave) <= patience; });
+  });
+  return joins;
 }
 
 std::vector<Join> joins_within(double limit, const MovingClip& from, const MovingClip& to, const JoinRange& range,
@@ -239,13 +245,13 @@ std::vector<Join> joins_within(double limit, const MovingClip& from, const Movin
     Join join = make_join(from, to, one.leave, one.enter, blend);
     const int longest =
         std::min({kLongestLeave, from.shape.frame_count() - one.leave, to.shape.frame_count() - one.enter});
-    for (int longer = blend + 1; join.price.step_ratio > kStandsOut && longer <= longest; longer += 2) {
+    for (int longer = blend + 1; flaw(join) > 1.0 && longer <= longest; longer += 2) {
       const Join slower = make_join(from, to, one.leave, one.enter, longer);
-      if (slower.price.step_ratio < join.price.step_ratio) join = slower;
+      if (flaw(slower) < flaw(join)) join = slower;
     }
     joins.push_back(join);
   }
-  return least_seen(joins, patience);
+  return least_seen(std::move(joins), patience);
 }
 
 }  // namespace
@@ -286,7 +292,7 @@ CycleSearch find_cycle(const MovingClip& clip, int blend) {
     const auto loop =
         best_loop(clip, longest(periods(table, std::max(shortest, longer), table.rows() - longer, longer)), longer);
     if (loop && (!search.loop || better(*loop, *search.loop))) search.loop = loop;
-    if (search.loop && search.loop->price.step_ratio <= kStandsOut) break;
+    if (search.loop && flaw(*search.loop) <= 1.0) break;
   }
   if (!search.loop) search.failure = no_cycle(clip, found.empty() ? Found{} : found.front());
   return search;

@@ -208,6 +208,23 @@ TEST(GraphBuilder, JoinsStatesByCapturedTransitionsAndSynthesisesWhatIsMissing) 
   ASSERT_EQ(built.told.size(), 1U);
 }
 
+TEST(MotionSeam, IsNoneThatIsSeenWhereAnotherComesSoon) {
+  const auto walk = moving_clip(shape_of("walk", 58)), idle = moving_clip(shape_of("idle", 40));
+  const auto loop = find_cycle(walk, kBlendFrames).loop;
+  ASSERT_TRUE(loop);
+  const auto joins = nearest_joins(walk, idle, {loop->enter, loop->leave, 0, 30}, kBlendFrames);
+  const auto is_seen = [](const Join& join) { return join.price.step_ratio > 1.5 || join.price.slide_mm > 10.0; };
+  constexpr int kPatience = 10;  // 0.4 s
+  int unseen = 0;
+  for (const auto& join : joins) {
+    unseen += is_seen(join) ? 0 : 1;
+    for (const auto& other : joins)
+      EXPECT_FALSE(is_seen(join) && !is_seen(other) && std::abs(join.leave - other.leave) <= kPatience)
+          << join.leave << " slides by " << join.price.slide_mm << " mm, " << other.leave << " does not";
+  }
+  EXPECT_GT(unseen, 0);
+}
+
 TEST_F(CharacterFolder, BuildsOpensAndMendsACharacter) {
   const auto report =
       build_character({take("walk", 58), take("idle", 40), take("idle-walk", 50)}, folder_ / "character");
