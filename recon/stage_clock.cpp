@@ -4,6 +4,8 @@
 #include <ctime>
 #include <numeric>
 
+#include "config/median.h"
+
 namespace rotunda::recon {
 namespace {
 
@@ -11,12 +13,6 @@ double thread_cpu_ms() {
   timespec time{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
   return static_cast<double>(time.tv_sec) * 1e3 + static_cast<double>(time.tv_nsec) * 1e-6;
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 }  // namespace

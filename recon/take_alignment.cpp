@@ -13,6 +13,7 @@
 #include "capture/base/sha256.h"
 #include "capture/take/take_reader.h"
 #include "config/errors.h"
+#include "config/median.h"
 #include "recon/alignment_store.h"
 #include "recon/body/motion_capture.h"
 #include "recon/colour/surface_colour.h"
@@ -327,10 +328,7 @@ void TakeAlignment::make_report() {
 double TakeAlignmentReport::uncovered() const {
   std::vector<double> shares;
   for (const auto& frame : frames) shares.push_back(frame.uncovered);
-  if (shares.empty()) return 0.0;
-  const auto middle = shares.begin() + static_cast<std::ptrdiff_t>(shares.size() / 2);
-  std::nth_element(shares.begin(), middle, shares.end());
-  return *middle;
+  return median(std::move(shares));
 }
 
 TakeAlignmentReport align_take(const TakeAlignmentOptions& options,

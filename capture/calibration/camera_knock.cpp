@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "capture/calibration/pose_evidence.h"
+#include "config/median.h"
 
 namespace rotunda::capture {
 namespace {

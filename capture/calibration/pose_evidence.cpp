@@ -6,6 +6,8 @@
 #include <iterator>
 #include <limits>
 
+#include "config/median.h"
+
 namespace rotunda::capture {
 namespace {
 
@@ -49,13 +51,6 @@ CameraModel moved(CameraModel camera, const Pose6& by) {
   }
   camera.t += by.tail<3>();
   return camera;
-}
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<long>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 PoseEvidence evidence_of(const RigState& state, const Sighting& sighting, const Board& board) {

@@ -13,8 +13,6 @@ using Pose6 = Eigen::Matrix<double, 6, 1>;  // a turn and a shift of the camera 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 CameraModel moved(CameraModel camera, const Pose6& by);
 
-double median(std::vector<double> values);  // 0 of none
-
 inline constexpr std::size_t kFewestStretch = 2;  // views before and after
 
 // One view of the camera with what its corners say about the camera's pose: normal equations, pixels.

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "config/median.h"
 #include "recon/body/limb_starts.h"
 
 namespace rotunda::recon {
@@ -23,12 +24,6 @@ constexpr double kLostShare = 0.55;  // of contour points with a partner: less i
 constexpr std::size_t kLegTest = 8;  // frames between tests whether the legs are held otherwise,
 constexpr std::size_t kArmTest = 8;  // or an arm;
 constexpr double kLimbDoubt = 1.15;  // at once with so much of the typical residual
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 Pose turned(const Pose& pose, double degrees) {
   Pose result = pose;

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "config/errors.h"
+#include "config/median.h"
 #include "recon/hull/epipolar_tangents.h"
 
 namespace rotunda::recon {
@@ -96,12 +97,6 @@ std::vector<Row> rows_of(const CameraModel& camera, const OutlinesOverTime& outl
     add_row(own->highest, pair.theirs.highest, 1.0, widened, pair.other, rows);
   }
   return rows;
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 constexpr double kDeviationOfMedian = 1.4826;  // normal distribution's, from the median of sizes

@@ -15,6 +15,7 @@
 #include "capture/picture.h"
 #include "capture/take/take_reader.h"
 #include "config/exit_code.h"
+#include "config/median.h"
 #include "recon/hull/genus_cut.h"
 #include "recon/hull/marching_cubes.h"
 #include "recon/hull/visual_hull.h"
@@ -27,11 +28,6 @@
 namespace {
 
 using namespace rotunda;
-
-double median(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
-  return values[values.size() / 2];
-}
 
 void measure(const std::vector<capture::FrameSet>& sets, const recon::StudioViews& studio,
              const recon::LiveOptions& options, int threads) {

@@ -20,6 +20,7 @@
 
 #include "config/errors.h"
 #include "config/exit_code.h"
+#include "config/median.h"
 #include "recon/frame_store.h"
 #include "recon/mesh/mesh_file.h"
 #include "recon/sphere/resample.h"
@@ -240,10 +241,6 @@ class Score {
   }
 
  private:
-  static double median(std::vector<double> values) {
-    std::nth_element(values.begin(), values.begin() + static_cast<long>(values.size() / 2), values.end());
-    return values[values.size() / 2];
-  }
   void start_clock() {
     cpu_begun_ = cpu_s();
     begun_ = std::chrono::steady_clock::now();

@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "config/exit_code.h"
+#include "config/median.h"
 #include "recon/hull/genus_cut.h"
 #include "recon/hull/marching_cubes.h"
 #include "recon/hull/surface.h"
@@ -66,11 +67,6 @@ void time_step(Cost& cost, const std::function<void()>& step) {
   step();
   cost.wall_ms.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - wall).count());
   cost.cpu_ms.push_back(1e3 * static_cast<double>(std::clock() - cpu) / CLOCKS_PER_SEC);
-}
-
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
 }
 
 void print(const char* step, const Cost& cost) {

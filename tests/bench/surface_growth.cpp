@@ -9,6 +9,7 @@
 #include <fstream>
 #include <string>
 
+#include "config/median.h"
 #include "simulator/studio/camera_layout.h"
 
 namespace rotunda::bench {
@@ -30,11 +31,6 @@ double cpu_ms() {
   timespec now{};
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
   return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
-}
-
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
 }
 
 }  // namespace
