@@ -77,6 +77,7 @@ const Marker* MarkerEditor::mirror_of_selected() const {
 
 void MarkerEditor::select_next(int step) {
   const auto count = static_cast<int>(markers_.pairs.size());
+  if (count == 0) return;  // a template that fits badly may propose none
   const auto place = place_of_selected();
   const int from = place ? static_cast<int>(*place) : (step > 0 ? -1 : count);
   selected_ = markers_.pairs[static_cast<std::size_t>((from + step + count) % count)].number;

@@ -173,6 +173,15 @@ TEST_F(AnEditorOfMarkers, GoesThroughThePairsRoundAndRound) {
   EXPECT_THAT(seen, testing::ElementsAre(4, 9, 4, 9));
 }
 
+TEST_F(AnEditorOfMarkers, BeginsWithoutAnyPair) {
+  MarkerEditor editor(scan_, markers({}));
+  editor.select_next(1);
+  EXPECT_EQ(editor.selected(), nullptr);
+  EXPECT_TRUE(editor.add(on(0), on(0)).done);
+  editor.select_next(-1);
+  EXPECT_NE(editor.selected(), nullptr);
+}
+
 TEST_F(AnEditorOfMarkers, LosesNothingThatIsNotSaved) {
   const fs::path folder = fs::temp_directory_path() / ("rotunda_markers_" + std::to_string(::getpid()));
   fs::create_directories(folder);
