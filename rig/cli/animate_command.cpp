@@ -16,7 +16,7 @@
 #include "playback/render/scan_video.h"
 #include "recon/body/motion_capture.h"
 #include "recon/export/animation_export.h"
-#include "recon/mesh/mesh_file.h"
+#include "recon/mesh/scan_file.h"
 #include "rig/cli/command_line.h"
 #include "rig/cli/frame_range.h"
 
@@ -63,6 +63,13 @@ recon::BodyMotion read_motion(const CommandLine& line, const AnimateArguments& a
   motion.poses = {motion.poses.begin() + static_cast<std::ptrdiff_t>(first),
                   motion.poses.begin() + static_cast<std::ptrdiff_t>(last)};
   return motion;
+}
+
+recon::PreparedScan read_prepared(const fs::path& file) {
+  auto read = recon::read_scan(file);
+  auto scan = recon::prepare_scan(read.mesh);
+  scan.notes.insert(scan.notes.begin(), read.notes.begin(), read.notes.end());
+  return scan;
 }
 
 // How good a fit must be for its markers to be trusted: half of the surface within 15 mm of the template, and no more
@@ -208,7 +215,7 @@ constexpr double kSameLegs = 0.06;
 
 // 3D video: the scan where the performer was, in the pictures of the take.
 int film_video(const CommandLine& line, const AnimateArguments& arguments, const std::stop_token& stop) {
-  auto scan = recon::prepare_scan(recon::read_mesh(arguments.scan));
+  auto scan = read_prepared(arguments.scan);
   tell(scan.notes, arguments.scan, line.json);
   const auto markers = markers_for(arguments, scan);
   recon::ScanAnimation animation(std::move(scan), markers, {.as_paper = arguments.as_paper});
@@ -240,7 +247,7 @@ int animate(const CommandLine& line, const AnimateArguments& arguments, std::sto
   const std::string kind = arguments.output.empty() ? "" : kind_of(arguments);
   const auto motion = read_motion(line, arguments, stop);
   tell(motion.notes, arguments.motion, line.json);
-  auto scan = recon::prepare_scan(recon::read_mesh(arguments.scan));
+  auto scan = read_prepared(arguments.scan);
   tell(scan.notes, arguments.scan, line.json);
   json notes = motion.notes;
   for (const auto& note : scan.notes) notes.push_back(note);
@@ -280,7 +287,8 @@ void add_animate_command(CommandLine& line) {
   auto* app = line.app.add_subcommand("animate", "moves a body scan as somebody moved");
   app->add_option("--motion", arguments->motion, "FILE.bvh: anyone's motion capture; or a take, whose is captured")
       ->required();
-  app->add_option("--scan", arguments->scan, "FILE.ply or .obj: a person in an A- or T-pose, any size of mesh")
+  app->add_option("--scan", arguments->scan,
+                  "FILE.ply, .obj, .glb or .gltf, with its pictures: a person in an A- or T-pose, any size of mesh")
       ->required()
       ->check(CLI::ExistingFile);
   app->add_option("--markers", arguments->markers,

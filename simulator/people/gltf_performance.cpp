@@ -59,7 +59,7 @@ void add_all(Fingerprint& print, const std::vector<T>& values) {
   print.add_bytes(values.data(), values.size() * sizeof(T));
 }
 
-void add_nodes(Fingerprint& print, const GltfCharacter& character) {
+void add_nodes(Fingerprint& print, const recon::GltfCharacter& character) {
   for (const auto& node : character.nodes) {
     print.add(node.parent);
     print.add_bytes(node.translation.data(), sizeof(double) * 3);
@@ -70,7 +70,7 @@ void add_nodes(Fingerprint& print, const GltfCharacter& character) {
   }
 }
 
-void add_parts(Fingerprint& print, const GltfCharacter& character) {
+void add_parts(Fingerprint& print, const recon::GltfCharacter& character) {
   for (const auto& skin : character.skins) {
     add_all(print, skin.joints);
     for (const auto& matrix : skin.inverse_bind) print.add_bytes(matrix.data(), sizeof(double) * 16);
@@ -87,7 +87,7 @@ void add_parts(Fingerprint& print, const GltfCharacter& character) {
 }  // namespace
 
 GltfPerformance::GltfPerformance(const std::filesystem::path& file, const std::string& act)
-    : person_(file.string()), act_(act), character_(read_gltf_character(file)), notes_(character_.notes) {
+    : person_(file.string()), act_(act), character_(recon::read_gltf_character(file)), notes_(character_.notes) {
   if (!character_.clips.empty() && !act.empty()) clip_ = &character_.clip(act);
   if (character_.clips.empty() && !act.empty()) notes_.emplace_back("has no clips: shown as it is at rest");
   if (clip_) act_ = clip_->name;
@@ -97,8 +97,8 @@ GltfPerformance::GltfPerformance(const std::filesystem::path& file, const std::s
   orient();
   scale();
   place();
-  auto surface = assemble_surface(
-      character_, transformed(world_from_file_, in_file(simulator::state_at(character_, nullptr, 0.0))));
+  auto surface =
+      assemble_surface(character_, transformed(world_from_file_, in_file(recon::state_at(character_, nullptr, 0.0))));
   recon::compute_normals(surface.figure.bind);
   source_ = std::move(surface.source);
   figures_.push_back(std::move(surface.figure));
@@ -109,8 +109,8 @@ GltfPerformance::GltfPerformance(const std::filesystem::path& file, const std::s
 void GltfPerformance::time_clip() {
   if (!clip_) return;
   const double duration = clip_->end - clip_->begin;
-  const auto first = in_file(simulator::state_at(character_, clip_, clip_->begin));
-  const auto last = in_file(simulator::state_at(character_, clip_, clip_->end));
+  const auto first = in_file(recon::state_at(character_, clip_, clip_->begin));
+  const auto last = in_file(recon::state_at(character_, clip_, clip_->end));
   double apart = 0.0;
   for (std::size_t v = 0; v < first.size(); ++v) apart = std::max<double>(apart, (first[v] - last[v]).norm());
   is_cyclic_ = apart < 1e-3 * box_of(first).diagonal().norm();  // 2 mm of a person
@@ -125,14 +125,14 @@ double GltfPerformance::clip_seconds(double seconds) const {
   return clip_->begin + (is_cyclic_ ? own * duration / round : std::min(own, duration));
 }
 
-CharacterState GltfPerformance::state_at(double seconds) const {
-  return simulator::state_at(character_, clip_, clip_seconds(seconds));
+recon::CharacterState GltfPerformance::state_at(double seconds) const {
+  return recon::state_at(character_, clip_, clip_seconds(seconds));
 }
 
-std::vector<Vector3f> GltfPerformance::in_file(const CharacterState& state) const {
+std::vector<Vector3f> GltfPerformance::in_file(const recon::CharacterState& state) const {
   std::vector<Vector3f> all;
   for (const auto& part : character_.parts) {
-    const auto posed = posed_positions(character_, part, state);
+    const auto posed = recon::posed_positions(character_, part, state);
     all.insert(all.end(), posed.begin(), posed.end());
   }
   if (!std::all_of(all.begin(), all.end(), [](const Vector3f& p) { return p.allFinite(); }))
@@ -173,7 +173,7 @@ std::vector<std::optional<NamedJoint>> GltfPerformance::named_joints() const {
 // off their axes by 45 degrees and more, the character is turned by as many quarter turns as bring them there.
 void GltfPerformance::orient() {
   const auto named = named_joints();
-  const auto rest = simulator::state_at(character_, nullptr, 0.0);
+  const auto rest = recon::state_at(character_, nullptr, 0.0);
   using recon::Side;
   const auto where = [&](BodySegment segment, std::optional<Side> side) -> std::optional<Vector3d> {
     for (std::size_t j = named.size(); j-- > 0;)  // of a neck or spine of several joints the uppermost
@@ -234,7 +234,7 @@ std::vector<recon::TriangleMesh> GltfPerformance::surfaces_at(double seconds) co
 }
 
 std::vector<JointState> GltfPerformance::joints_at(double seconds) const {
-  const auto now = state_at(seconds), rest = simulator::state_at(character_, nullptr, 0.0);
+  const auto now = state_at(seconds), rest = recon::state_at(character_, nullptr, 0.0);
   const Matrix3d axes = world_from_file_.rotation();
   std::vector<JointState> states;
   std::vector<Eigen::Quaterniond> from_bind;  // in world
@@ -252,7 +252,7 @@ std::vector<JointState> GltfPerformance::joints_at(double seconds) const {
 
 // Where a foot's joint has its heel: in the file's rest under it and a little behind, where the surface stands.
 Vector3d GltfPerformance::heel_in_foot(std::size_t joint) const {
-  const auto rest = simulator::state_at(character_, nullptr, 0.0);
+  const auto rest = recon::state_at(character_, nullptr, 0.0);
   const AlignedBox3d box = box_of(transformed(world_from_file_, in_file(rest)));
   const Affine3d world_from_foot = world_from_file_ * Affine3d(rest.file_from_node[joint_nodes_[joint]]);
   const Vector3d ankle = world_from_foot.translation();

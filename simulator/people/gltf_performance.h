@@ -3,15 +3,15 @@
 // in centimetres, inches or millimetres, or lying on its side, is told by the size and the names of its joints and set
 // right. A clip whose end meets its beginning is stretched by less than half an act frame so that it closes exactly.
 #include "recon/body/joint_names.h"
-#include "simulator/people/gltf_character.h"
+#include "recon/gltf/gltf_character.h"
 #include "simulator/people/performance.h"
 
 namespace rotunda::simulator {
 
 class GltfPerformance : public Performance {
  public:
-  // Throws as read_gltf_character; InvalidInput for a clip that is not there, with those that are. A character without
-  // clips gives one frame, whatever the act; so does an empty act.
+  // Throws as recon::read_gltf_character; InvalidInput for a clip that is not there, with those that are. A character
+  // without clips gives one frame, whatever the act; so does an empty act.
   GltfPerformance(const std::filesystem::path& file, const std::string& act);
 
   const std::string& person() const override { return person_; }
@@ -29,8 +29,8 @@ class GltfPerformance : public Performance {
 
  private:
   double clip_seconds(double seconds) const;
-  CharacterState state_at(double seconds) const;
-  std::vector<Eigen::Vector3f> in_file(const CharacterState& state) const;  // all vertices of all parts
+  recon::CharacterState state_at(double seconds) const;
+  std::vector<Eigen::Vector3f> in_file(const recon::CharacterState& state) const;  // all vertices of all parts
   std::vector<std::optional<recon::NamedJoint>> named_joints() const;
   Eigen::Vector3d heel_in_foot(std::size_t joint) const;
   void time_clip();
@@ -40,8 +40,8 @@ class GltfPerformance : public Performance {
   void place();
 
   std::string person_, act_;
-  GltfCharacter character_;
-  const CharacterClip* clip_ = nullptr;  // of character_
+  recon::GltfCharacter character_;
+  const recon::CharacterClip* clip_ = nullptr;  // of character_
   int frames_ = 1;
   bool is_cyclic_ = true;
   Eigen::Affine3d world_from_file_ = Eigen::Affine3d::Identity();

@@ -14,19 +14,19 @@ namespace {
 using Triangle = std::array<std::uint32_t, 3>;
 
 // Everything that moves a vertex, as bytes: equal ones stay together for ever.
-std::string motion_key(const CharacterPart& part, std::size_t v) {
+std::string motion_key(const recon::CharacterPart& part, std::size_t v) {
   std::string key;
   const auto add = [&](const void* bytes, std::size_t size) { key.append(static_cast<const char*>(bytes), size); };
   add(&part.node, sizeof part.node);
   add(&part.skin, sizeof part.skin);
   add(part.positions[v].data(), sizeof(float) * 3);
-  if (!part.influences.empty()) add(part.influences[v].data(), sizeof(Influences));
+  if (!part.influences.empty()) add(part.influences[v].data(), sizeof(recon::Influences));
   for (const auto& morph : part.morphs) add(morph[v].data(), sizeof(float) * 3);
   return key;
 }
 
 // A character's vertices with one number for all that move as one: the first such vertex of all parts.
-std::vector<std::uint32_t> welded(const GltfCharacter& character) {
+std::vector<std::uint32_t> welded(const recon::GltfCharacter& character) {
   std::unordered_map<std::string, std::uint32_t> first;
   std::vector<std::uint32_t> number;
   for (const auto& part : character.parts)
@@ -132,7 +132,7 @@ void colour_vertices(Figure& figure) {
 
 }  // namespace
 
-CharacterSurface assemble_surface(const GltfCharacter& character, const std::vector<Eigen::Vector3f>& at_rest) {
+CharacterSurface assemble_surface(const recon::GltfCharacter& character, const std::vector<Eigen::Vector3f>& at_rest) {
   CharacterSurface surface;
   const auto number = welded(character);
   surface.source.resize(number.size());

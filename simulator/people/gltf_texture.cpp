@@ -40,24 +40,24 @@ cv::Mat plain(const Vector3f& linear) {
 }
 
 // Texture coordinates of a triangle brought next to the picture: their least whole part taken off where it repeats.
-std::array<Vector2f, 3> near_zero(std::array<Vector2f, 3> uv, const std::array<PictureWrap, 2>& wrap) {
+std::array<Vector2f, 3> near_zero(std::array<Vector2f, 3> uv, const std::array<recon::PictureWrap, 2>& wrap) {
   for (Eigen::Index axis = 0; axis < 2; ++axis) {
     const auto kind = wrap[static_cast<std::size_t>(axis)];
     float low = std::floor(std::min({uv[0][axis], uv[1][axis], uv[2][axis]}));
-    if (kind == PictureWrap::mirrored) low = 2.0F * std::floor(low / 2.0F);
+    if (kind == recon::PictureWrap::mirrored) low = 2.0F * std::floor(low / 2.0F);
     for (auto& corner : uv)
-      corner[axis] = kind == PictureWrap::clamp ? std::clamp(corner[axis], 0.0F, 1.0F) : corner[axis] - low;
+      corner[axis] = kind == recon::PictureWrap::clamp ? std::clamp(corner[axis], 0.0F, 1.0F) : corner[axis] - low;
   }
   return uv;
 }
 
-cv::Mat tiled(const cv::Mat& picture, const cv::Size& tiles, const std::array<PictureWrap, 2>& wrap) {
+cv::Mat tiled(const cv::Mat& picture, const cv::Size& tiles, const std::array<recon::PictureWrap, 2>& wrap) {
   if (tiles == cv::Size(1, 1)) return picture;
   cv::Mat result(picture.rows * tiles.height, picture.cols * tiles.width, CV_8UC3);
   for (int y = 0; y < tiles.height; ++y)
     for (int x = 0; x < tiles.width; ++x) {
-      const bool flip_x = wrap[0] == PictureWrap::mirrored && x % 2 == 1,
-                 flip_y = wrap[1] == PictureWrap::mirrored && y % 2 == 1;
+      const bool flip_x = wrap[0] == recon::PictureWrap::mirrored && x % 2 == 1,
+                 flip_y = wrap[1] == recon::PictureWrap::mirrored && y % 2 == 1;
       cv::Mat tile = picture;
       if (flip_x || flip_y) cv::flip(picture, tile, flip_x && flip_y ? -1 : flip_x ? 1 : 0);
       tile.copyTo(result(cv::Rect(x * picture.cols, y * picture.rows, picture.cols, picture.rows)));
@@ -65,8 +65,8 @@ cv::Mat tiled(const cv::Mat& picture, const cv::Size& tiles, const std::array<Pi
   return result;
 }
 
-CharacterMaterial material_of(const GltfCharacter& character, const CharacterPart& part) {
-  return part.material < 0 ? CharacterMaterial{} : character.materials[static_cast<std::size_t>(part.material)];
+recon::SurfaceMaterial material_of(const recon::GltfCharacter& character, const recon::CharacterPart& part) {
+  return part.material < 0 ? recon::SurfaceMaterial{} : character.materials[static_cast<std::size_t>(part.material)];
 }
 
 // Nearest texel, linear: enough under colours at the corners, which are there because a picture says little.
@@ -86,7 +86,7 @@ Vector3d barycentric(const Vector3d& a, const Vector3d& b, const Vector3d& c, co
   return {1.0 - s - t, s, t};
 }
 
-SurfaceTexture painted(const GltfCharacter& character, const CharacterPart& part) {
+SurfaceTexture painted(const recon::GltfCharacter& character, const recon::CharacterPart& part) {
   const auto material = material_of(character, part);
   recon::TriangleMesh mesh;
   mesh.positions = part.positions;
@@ -111,7 +111,7 @@ SurfaceTexture painted(const GltfCharacter& character, const CharacterPart& part
 
 using Coordinates = std::vector<std::array<Vector2f, 3>>;  // of each triangle
 
-Coordinates coordinates_of(const CharacterPart& part, const CharacterMaterial& material) {
+Coordinates coordinates_of(const recon::CharacterPart& part, const recon::SurfaceMaterial& material) {
   Coordinates uv;
   for (const auto& t : part.triangles)
     uv.push_back(near_zero({part.uv[t[0]], part.uv[t[1]], part.uv[t[2]]}, material.wrap));
@@ -129,7 +129,7 @@ cv::Size tiles_for(const Coordinates& coordinates) {
 // Collects the pictures of the parts, and where the corners of their triangles lie in them; then packs them.
 class TextureCollector {
  public:
-  explicit TextureCollector(const GltfCharacter& character) : character_(character) {
+  explicit TextureCollector(const recon::GltfCharacter& character) : character_(character) {
     for (const auto& part : character.parts) {
       if (!is_textured(part)) continue;
       const auto need = tiles_for(coordinates_of(part, material_of(character, part)));
@@ -148,20 +148,20 @@ class TextureCollector {
   }
 
  private:
-  bool is_textured(const CharacterPart& part) const {
+  bool is_textured(const recon::CharacterPart& part) const {
     return part.colours.empty() && !part.uv.empty() && material_of(character_, part).picture >= 0;
   }
-  void take(const CharacterPart& part) {
+  void take(const recon::CharacterPart& part) {
     if (!part.colours.empty()) return take_painted(part);
     return is_textured(part) ? take_textured(part) : take_plain(part);
   }
-  void take_painted(const CharacterPart& part) {
+  void take_painted(const recon::CharacterPart& part) {
     auto texture = painted(character_, part);
     picture_of_.push_back(pictures_.size());
     pictures_.push_back(std::move(texture.picture));
     corners_.push_back(std::move(texture.corners));
   }
-  void take_textured(const CharacterPart& part) {
+  void take_textured(const recon::CharacterPart& part) {
     const auto material = material_of(character_, part);
     const auto& picture = character_.pictures[static_cast<std::size_t>(material.picture)];
     const auto& tiles = tiles_.at(part.material);
@@ -172,7 +172,7 @@ class TextureCollector {
     for (const auto& triangle : coordinates_of(part, material))
       for (const auto& uv : triangle) corners.push_back(uv.cwiseMin(most).cwiseProduct(size));
   }
-  void take_plain(const CharacterPart& part) {
+  void take_plain(const recon::CharacterPart& part) {
     const auto material = material_of(character_, part);
     Vector3f linear = material.factor;
     if (material.picture >= 0) {
@@ -190,7 +190,7 @@ class TextureCollector {
   }
 
   static constexpr int kPlain = -2;  // keys of plain materials lie below, those of textured ones above
-  const GltfCharacter& character_;
+  const recon::GltfCharacter& character_;
   std::map<int, cv::Size> tiles_;      // of a material's picture: as far as any of its parts needs
   std::map<int, std::size_t> shared_;  // a material's picture
   std::vector<cv::Mat> pictures_;
@@ -200,7 +200,7 @@ class TextureCollector {
 
 }  // namespace
 
-SurfaceTexture character_texture(const GltfCharacter& character) {
+SurfaceTexture character_texture(const recon::GltfCharacter& character) {
   return TextureCollector(character).packed();
 }
 

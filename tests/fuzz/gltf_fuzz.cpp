@@ -7,9 +7,9 @@
 #include <string>
 
 #include "config/errors.h"
-#include "simulator/people/gltf_character.h"
+#include "recon/gltf/gltf_character.h"
 
-namespace rotunda::simulator {
+namespace rotunda::recon {
 namespace {
 
 void require(bool claim) {
@@ -42,9 +42,9 @@ void run(const std::uint8_t* data, std::size_t size) {
 }
 
 }  // namespace
-}  // namespace rotunda::simulator
+}  // namespace rotunda::recon
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  rotunda::simulator::run(data, size);
+  rotunda::recon::run(data, size);
   return 0;
 }

@@ -1,7 +1,12 @@
 // A scan moved by somebody's motion: the simulator's person and act, through files, as people would do it.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <fstream>
+#include <opencv2/imgcodecs.hpp>
 
+#include "recon/gltf/gltf_character.h"
+#include "recon/mesh/mesh_file.h"
 #include "simulator/people/person.h"
 #include "tests/integration/house_test.h"
 #include "tests/support/act_bvh.h"
@@ -25,6 +30,21 @@ class Animate : public HouseTest {
     ASSERT_EQ(scan.exit_code, 0) << scan.err;
   }
   std::string file(const char* name) const { return (folder() / name).string(); }
+
+  // The scan as OBJ with one picture: red above 1 m, blue below.
+  void write_textured_obj() const {
+    cv::Mat picture(64, 64, CV_8UC3, cv::Scalar(0, 0, 255));
+    picture.rowRange(32, 64).setTo(cv::Scalar(255, 0, 0));
+    cv::imwrite(file("skin.png"), picture);
+    std::ofstream(file("scan.mtl")) << "newmtl skin\nmap_Kd skin.png\n";
+    std::ofstream obj(file("scan.obj"));
+    obj << "mtllib scan.mtl\nusemtl skin\n";
+    const auto mesh = recon::read_ply(file("scan.ply"));
+    for (const auto& p : mesh.positions)
+      obj << fmt::format("v {} {} {}\nvt 0.5 {}\n", p.x(), p.y(), p.z(), p.z() / 2.0F);
+    for (const auto& t : mesh.triangles)
+      obj << fmt::format("f {0}/{0} {1}/{1} {2}/{2}\n", t[0] + 1, t[1] + 1, t[2] + 1);
+  }
 };
 
 TEST_F(Animate, MovesAnyScanWithoutAClickAndKeepsItsMarkersForPeople) {
@@ -37,6 +57,40 @@ TEST_F(Animate, MovesAnyScanWithoutAClickAndKeepsItsMarkersForPeople) {
                               file("markers.yaml"), "-o", file("kick.obj")});
   ASSERT_EQ(again.exit_code, 0) << again.err;
   EXPECT_TRUE(fs::exists(file("kick.pc2")));
+}
+
+TEST_F(Animate, ScansWithPicturesKeepTheirColours) {
+  write_textured_obj();
+  const auto animate = [&](const char* scan, const char* output) {
+    return rotunda({"animate", "--motion", file("kick.bvh"), "--scan", file(scan), "-o", file(output)});
+  };
+  const auto moved = animate("scan.obj", "kick.glb");
+  ASSERT_EQ(moved.exit_code, 0) << moved.err;
+  EXPECT_THAT(moved.out, testing::Not(HasSubstr("no colours")));
+  const auto red_above = [&] {
+    const auto character = recon::read_gltf_character(file("kick.glb"));
+    const auto& part = character.parts.at(0);
+    std::size_t right = 0;
+    for (std::size_t v = 0; v < part.positions.size(); ++v) {
+      const auto& colour = part.colours.at(v);
+      if ((part.positions[v].y() > 1.0F) == (colour[0] > colour[2])) ++right;  // there y is up
+    }
+    return static_cast<double>(right) / static_cast<double>(part.positions.size());
+  };
+  EXPECT_GT(red_above(), 0.97);                         // but where red meets blue
+  const auto again = animate("kick.glb", "again.glb");  // what came out goes in
+  ASSERT_EQ(again.exit_code, 0) << again.err;
+  fs::remove(file("kick.glb"));
+  fs::rename(file("again.glb"), file("kick.glb"));
+  EXPECT_GT(red_above(), 0.97);
+  fs::remove(file("skin.png"));
+  const auto grey = animate("scan.obj", "grey.glb");
+  ASSERT_EQ(grey.exit_code, 0) << grey.err;
+  EXPECT_THAT(grey.out, HasSubstr("its picture skin.png is missing"));
+  std::ofstream(file("cut.glb")) << "glTF cut";
+  const auto cut = animate("cut.glb", "x.glb");
+  EXPECT_EQ(cut.exit_code, 3);
+  EXPECT_THAT(cut.err, AllOf(HasSubstr("cut.glb"), HasSubstr("ends within its header")));
 }
 
 TEST_F(Animate, ShowsItsMarkersAsTheEditorDoesAndGoesOnWhereOneWasLeft) {

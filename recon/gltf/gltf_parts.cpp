@@ -1,4 +1,4 @@
-#include "simulator/people/gltf_parts.h"
+#include "recon/gltf/gltf_parts.h"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 
 #include "config/errors.h"
 
-namespace rotunda::simulator {
+namespace rotunda::recon {
 namespace {
 
 constexpr std::size_t kMostVertices = 4'000'000, kMostTriangles = 4'000'000;
@@ -210,8 +210,7 @@ CharacterTrack track_from(const GltfFile& file, const tinygltf::AnimationSampler
   track.values = accessors.numbers(sampler.output, components, what + ".output");
   const std::size_t values_a_key = width * (track.interpolation == TrackInterpolation::cubic_spline ? 3 : 1);
   if (track.times.empty() || track.values.size() != track.times.size() * values_a_key)
-    throw broken(file.path,
-                      fmt::format("{}: {} keys with {} values", what, track.times.size(), track.values.size()));
+    throw broken(file.path, fmt::format("{}: {} keys with {} values", what, track.times.size(), track.values.size()));
   for (std::size_t k = 1; k < track.times.size(); ++k)
     if (track.times[k] < track.times[k - 1])
       throw broken(file.path, fmt::format("{}: key {} lies before key {}", what, k, k - 1));
@@ -300,4 +299,4 @@ void read_clips(const GltfFile& file, const std::vector<int>& place, GltfAccesso
   }
 }
 
-}  // namespace rotunda::simulator
+}  // namespace rotunda::recon

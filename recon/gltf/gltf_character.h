@@ -10,7 +10,9 @@
 #include <string_view>
 #include <vector>
 
-namespace rotunda::simulator {
+#include "recon/mesh/textured_mesh.h"
+
+namespace rotunda::recon {
 
 struct CharacterNode {
   std::string name;
@@ -46,13 +48,6 @@ struct CharacterPart {
   std::vector<Eigen::Vector4f> colours;              // one a vertex or empty; linear
 };
 
-enum class PictureWrap : std::uint8_t { repeat, mirrored, clamp };
-struct CharacterMaterial {
-  int picture = -1;
-  std::array<PictureWrap, 2> wrap = {PictureWrap::repeat, PictureWrap::repeat};  // along u and v
-  Eigen::Vector3f factor = Eigen::Vector3f::Ones();                              // linear, times the picture
-};
-
 enum class TrackPath : std::uint8_t { translation, rotation, scale, morph_weights };
 enum class TrackInterpolation : std::uint8_t { linear, step, cubic_spline };
 struct CharacterTrack {
@@ -74,8 +69,8 @@ struct GltfCharacter {
   std::vector<CharacterNode> nodes;  // parents first
   std::vector<CharacterSkin> skins;
   std::vector<CharacterPart> parts;
-  std::vector<CharacterMaterial> materials;
-  std::vector<cv::Mat> pictures;  // CV_8UC3, sRGB, red first
+  std::vector<SurfaceMaterial> materials;
+  std::vector<cv::Mat> pictures;  // CV_8UC3, sRGB, red first; empty ones no material names
   std::vector<CharacterClip> clips;
   std::vector<std::string> notes;  // what was left out, for the user
 
@@ -99,4 +94,4 @@ CharacterState state_at(const GltfCharacter& character, const CharacterClip* cli
 std::vector<Eigen::Vector3f> posed_positions(const GltfCharacter& character, const CharacterPart& part,
                                              const CharacterState& state);
 
-}  // namespace rotunda::simulator
+}  // namespace rotunda::recon

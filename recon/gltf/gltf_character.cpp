@@ -1,4 +1,4 @@
-#include "simulator/people/gltf_character.h"
+#include "recon/gltf/gltf_character.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -8,11 +8,11 @@
 #include <opencv2/imgproc.hpp>
 
 #include "config/errors.h"
-#include "simulator/people/gltf_accessor.h"
-#include "simulator/people/gltf_file.h"
-#include "simulator/people/gltf_parts.h"
+#include "recon/gltf/gltf_accessor.h"
+#include "recon/gltf/gltf_file.h"
+#include "recon/gltf/gltf_parts.h"
 
-namespace rotunda::simulator {
+namespace rotunda::recon {
 namespace {
 
 [[noreturn]] void refuse(const GltfFile& file, const std::string& what) {
@@ -119,11 +119,11 @@ PictureWrap wrap_from(int wrap) {
   return wrap == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT ? PictureWrap::mirrored : PictureWrap::repeat;
 }
 
-CharacterMaterial material_from(const GltfFile& file, std::size_t index) {
+SurfaceMaterial material_from(const GltfFile& file, std::size_t index) {
   const auto& model = file.model;
   const auto& found = model.materials[index].pbrMetallicRoughness;
   const auto what = fmt::format("materials[{}]", index);
-  CharacterMaterial material;
+  SurfaceMaterial material;
   const auto factor = checked(file, found.baseColorFactor, 4, what + ".baseColorFactor");
   for (std::size_t i = 0; i < 3 && !factor.empty(); ++i)
     material.factor[static_cast<Eigen::Index>(i)] = static_cast<float>(std::clamp(factor[i], 0.0, 1.0));
@@ -134,7 +134,7 @@ CharacterMaterial material_from(const GltfFile& file, std::size_t index) {
   const auto& named = model.textures[static_cast<std::size_t>(texture)];
   if (!is_index(named.source, file.pictures.size()))
     refuse(file, fmt::format("textures[{}]: there is no images[{}]", texture, named.source));
-  material.picture = named.source;
+  if (!file.pictures[static_cast<std::size_t>(named.source)].empty()) material.picture = named.source;
   if (is_index(named.sampler, model.samplers.size())) {
     const auto& sampler = model.samplers[static_cast<std::size_t>(named.sampler)];
     material.wrap = {wrap_from(sampler.wrapS), wrap_from(sampler.wrapT)};
@@ -161,7 +161,10 @@ void take_pictures(GltfFile& file, GltfCharacter& character) {
   };
   if (std::any_of(file.model.materials.begin(), file.model.materials.end(), is_cut_out))
     character.notes.emplace_back("transparency is left out: cut-outs and glass show as solid");
-  for (const auto& rgba : file.pictures) cv::cvtColor(rgba, character.pictures.emplace_back(), cv::COLOR_RGBA2RGB);
+  for (const auto& rgba : file.pictures) {
+    auto& rgb = character.pictures.emplace_back();
+    if (!rgba.empty()) cv::cvtColor(rgba, rgb, cv::COLOR_RGBA2RGB);
+  }
   file.pictures.clear();
 }
 
@@ -186,6 +189,7 @@ GltfCharacter read_gltf_character(const std::filesystem::path& path) {
   GltfAccessors accessors(file);
   GltfCharacter character;
   character.file = path;
+  character.notes = file.notes;
   const NodeOrder nodes(file);
   for (std::size_t i = 0; i < nodes.order.size(); ++i)
     character.nodes.push_back(node_from(file, nodes.order[i], nodes.parent[i]));
@@ -198,4 +202,4 @@ GltfCharacter read_gltf_character(const std::filesystem::path& path) {
   return character;
 }
 
-}  // namespace rotunda::simulator
+}  // namespace rotunda::recon

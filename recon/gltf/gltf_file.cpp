@@ -3,54 +3,32 @@
 #define TINYGLTF_IMPLEMENTATION
 #define TINYGLTF_NO_STB_IMAGE
 #define TINYGLTF_NO_STB_IMAGE_WRITE
-#include "simulator/people/gltf_file.h"
+#include "recon/gltf/gltf_file.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cerrno>
 #include <cstring>
-#include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
-#include <system_error>
 
 #include "config/errors.h"
+#include "recon/mesh/picture_file.h"
 
-namespace rotunda::simulator {
+namespace rotunda::recon {
 namespace {
 
 using nlohmann::json;
-using Bytes = std::vector<unsigned char>;
 static_assert(std::endian::native == std::endian::little, "glTF's numbers are taken as they lie in memory");
 
-constexpr std::uintmax_t kLargestFile = std::uintmax_t{1} << 30;
 constexpr int kDeepestJson = 64;  // tinygltf descends into extensions by recursion
-constexpr int kLargestPicture = 16384;
 constexpr std::array kKnownExtensions = {
     "KHR_materials_unlit",    "KHR_texture_transform",     "KHR_mesh_quantization",
     "KHR_materials_specular", "KHR_materials_ior",         "KHR_materials_clearcoat",
     "KHR_materials_sheen",    "KHR_lights_punctual",       "KHR_materials_emissive_strength",
     "KHR_materials_volume",   "KHR_materials_transmission"};
-
-Bytes read_whole(const std::filesystem::path& path) {
-  std::error_code error;
-  if (!std::filesystem::exists(path, error))
-    throw std::system_error(ENOENT, std::generic_category(), path.string() + ": cannot be opened");
-  if (!std::filesystem::is_regular_file(path, error)) throw InvalidInput(path.string() + ": is no file");
-  const auto size = std::filesystem::file_size(path);
-  if (size > kLargestFile) throw InvalidInput(fmt::format("{}: {} bytes; at most 1 GiB is read", path.string(), size));
-  errno = 0;
-  std::ifstream stream(path, std::ios::binary);
-  Bytes bytes(size);
-  if (!stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size)))
-    throw std::system_error(errno != 0 ? errno : EIO, std::generic_category(), path.string() + ": cannot be read");
-  return bytes;
-}
 
 std::uint32_t word_at(const Bytes& bytes, std::size_t offset) {
   std::uint32_t word = 0;
@@ -123,8 +101,8 @@ json parse_json(const std::filesystem::path& path, const std::string& text) {
 // tinygltf casts any integer to int, or to size_t: what would not survive that is refused wherever it stands.
 void check_numbers(const std::filesystem::path& path, const json& value, const std::string& where) {
   if (value.is_number_integer()) {
-    const bool fits = value.is_number_unsigned() ? value.get<std::uint64_t>() <= kLargestFile
-                                                 : value.get<std::int64_t>() >= -std::int64_t{kLargestFile};
+    const bool fits = value.is_number_unsigned() ? value.get<std::uint64_t>() <= kLargestInput
+                                                 : value.get<std::int64_t>() >= -std::int64_t{kLargestInput};
     if (!fits) throw broken(path, fmt::format("{}: {} is absurd", where, value.dump()));
   }
   if (value.is_structured() && !where.ends_with("/extras"))
@@ -152,6 +130,11 @@ std::filesystem::path beside(const std::filesystem::path& path, const std::strin
   return path.parent_path() / tinygltf::dlib::urldecode(uri);
 }
 
+bool is_missing(const std::filesystem::path& file) {
+  std::error_code error;
+  return !std::filesystem::is_regular_file(file, error);
+}
+
 bool is_data(const std::string& uri) {
   return uri.starts_with("data:");
 }
@@ -159,7 +142,7 @@ bool is_data(const std::string& uri) {
 Bytes bytes_of_uri(const std::filesystem::path& path, const std::string& what, const std::string& uri) {
   if (!is_data(uri)) {
     const auto file = beside(path, uri);
-    if (std::error_code error; !std::filesystem::is_regular_file(file, error))
+    if (is_missing(file))
       throw InvalidInput(fmt::format("{}: {}: its file {} is missing", path.string(), what, file.string()));
     return read_whole(file);
   }
@@ -195,45 +178,6 @@ void fill_buffers(const std::filesystem::path& path, const json& buffers, Chunks
   }
 }
 
-std::string sniffed(const Bytes& bytes) {
-  const std::string_view head(reinterpret_cast<const char*>(bytes.data()), std::min<std::size_t>(bytes.size(), 16));
-  if (head.substr(0, 4) == "\xABKTX") return "KTX";
-  if (head.substr(0, 4) == "DDS ") return "DDS";
-  if (head.size() > 12 && head.substr(8, 4) == "WEBP") return "WebP";
-  return head.starts_with("\x89PNG") || head.starts_with("\xFF\xD8\xFF") ? "" : "unknown format";
-}
-
-// A PNG says its size at the front: a small file may hold an absurd one.
-bool is_absurd_png(const Bytes& bytes) {
-  if (bytes.size() < 24 || bytes[0] != 0x89) return false;
-  const auto side = [&](std::size_t at) {
-    return (std::uint32_t{bytes[at]} << 24) | (std::uint32_t{bytes[at + 1]} << 16) |
-           (std::uint32_t{bytes[at + 2]} << 8) | bytes[at + 3];
-  };
-  return side(16) > kLargestPicture || side(20) > kLargestPicture;
-}
-
-cv::Mat decode(const std::filesystem::path& path, const std::string& what, const Bytes& bytes) {
-  if (const auto format = sniffed(bytes); !format.empty())
-    throw InvalidInput(fmt::format("{}: {}: {}; PNG and JPEG are read", path.string(), what, format));
-  if (is_absurd_png(bytes))
-    throw InvalidInput(fmt::format("{}: {}: wider or higher than {}", path.string(), what, kLargestPicture));
-  cv::Mat found, rgba;
-  try {
-    found = cv::imdecode(bytes, cv::IMREAD_UNCHANGED | cv::IMREAD_IGNORE_ORIENTATION);
-  } catch (const cv::Exception&) {
-    found.release();
-  }
-  if (found.empty()) throw broken(path, what + ": its picture cannot be decoded");
-  if (found.depth() == CV_16U) found.convertTo(found, CV_8U, 1.0 / 257.0);
-  constexpr std::array<int, 5> to_rgba = {-1, cv::COLOR_GRAY2RGBA, -1, cv::COLOR_BGR2RGBA, cv::COLOR_BGRA2RGBA};
-  const int code = found.channels() <= 4 ? to_rgba[static_cast<std::size_t>(found.channels())] : -1;
-  if (found.depth() != CV_8U || code < 0)
-    throw InvalidInput(fmt::format("{}: {}: an unusual picture", path.string(), what));
-  cv::cvtColor(found, rgba, code);
-  return rgba;
-}
-
 Bytes bytes_of_view(const GltfFile& file, const std::string& what, std::int64_t index) {
   const auto& views = file.model.bufferViews;
   if (index < 0 || static_cast<std::size_t>(index) >= views.size())
@@ -256,9 +200,14 @@ void decode_pictures(const json& images, GltfFile& file) {
     const auto view = images[i].find("bufferView");
     if (uri.empty() && (view == images[i].end() || !view->is_number_integer()))
       throw broken(file.path, what + ": has neither a URI nor a bufferView");
+    if (!uri.empty() && !is_data(uri) && is_missing(beside(file.path, uri))) {
+      file.notes.push_back(fmt::format("its picture {} is missing", beside(file.path, uri).string()));
+      file.pictures.emplace_back();
+      continue;
+    }
     const auto bytes =
         uri.empty() ? bytes_of_view(file, what, view->get<std::int64_t>()) : bytes_of_uri(file.path, what, uri);
-    file.pictures.push_back(decode(file.path, what, bytes));
+    file.pictures.push_back(decode_picture(file.path, what, bytes));
   }
 }
 
@@ -322,11 +271,11 @@ GltfFile open_gltf(const std::filesystem::path& path) {
   check_numbers(path, root, "");
   check_indices(path, root);
   const auto buffers = taken_out(path, root, "buffers"), images = taken_out(path, root, "images");
-  GltfFile file{path, {}, {}};
+  GltfFile file{path, {}, {}, {}};
   load_model(path, root, file.model);
   fill_buffers(path, buffers, chunks, file.model);
   decode_pictures(images, file);
   return file;
 }
 
-}  // namespace rotunda::simulator
+}  // namespace rotunda::recon

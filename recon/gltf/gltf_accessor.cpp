@@ -1,4 +1,4 @@
-#include "simulator/people/gltf_accessor.h"
+#include "recon/gltf/gltf_accessor.h"
 
 #include <fmt/format.h>
 
@@ -9,7 +9,7 @@
 
 #include "config/errors.h"
 
-namespace rotunda::simulator {
+namespace rotunda::recon {
 namespace {
 
 template <class T>
@@ -195,4 +195,4 @@ std::vector<std::uint32_t> GltfAccessors::integers(int accessor, std::size_t com
   return integers;
 }
 
-}  // namespace rotunda::simulator
+}  // namespace rotunda::recon

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "simulator/people/gltf_character.h"
+#include "recon/gltf/gltf_character.h"
 
-namespace rotunda::simulator {
+namespace rotunda::recon {
 namespace {
 
 using Eigen::Matrix4d;
@@ -134,4 +134,4 @@ std::vector<Eigen::Vector3f> posed_positions(const GltfCharacter& character, con
   return posed;
 }
 
-}  // namespace rotunda::simulator
+}  // namespace rotunda::recon

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "simulator/people/gltf_file.h"
+#include "recon/gltf/gltf_file.h"
 
-namespace rotunda::simulator {
+namespace rotunda::recon {
 
 class GltfAccessors {
  public:
@@ -34,4 +34,4 @@ class GltfAccessors {
   std::size_t budget_ = 50'000'000;  // numbers read in all: a small file can name one array a thousand times
 };
 
-}  // namespace rotunda::simulator
+}  // namespace rotunda::recon

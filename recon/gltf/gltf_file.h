@@ -11,12 +11,13 @@
 
 #include "config/errors.h"
 
-namespace rotunda::simulator {
+namespace rotunda::recon {
 
 struct GltfFile {
   std::filesystem::path path;
-  tinygltf::Model model;          // with all buffers, without images
-  std::vector<cv::Mat> pictures;  // one an image: CV_8UC4, sRGB, red first, straight alpha
+  tinygltf::Model model;           // with all buffers, without images
+  std::vector<cv::Mat> pictures;   // one an image: CV_8UC4, sRGB, red first, straight alpha; empty if it is missing
+  std::vector<std::string> notes;  // what is missing, for the user
 };
 
 // Throws std::system_error if the file cannot be read; CorruptData naming the element that is broken; InvalidInput for
@@ -26,4 +27,4 @@ GltfFile open_gltf(const std::filesystem::path& path);
 // What is thrown for an element of a file: "file: meshes[0].primitives[1].POSITION: ...".
 CorruptData broken(const std::filesystem::path& path, const std::string& what);
 
-}  // namespace rotunda::simulator
+}  // namespace rotunda::recon
