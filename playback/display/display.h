@@ -1,0 +1,24 @@
+#pragma once
+// What a player draws on: a window of the desktop or a whole screen without one. It has an OpenGL ES 3 context, current
+// on the thread that made it; use it from that thread only.
+#include "playback/display/window_input.h"
+
+namespace rotunda::playback {
+
+class Display {
+ public:
+  Display() = default;
+  virtual ~Display() = default;
+  Display(const Display&) = delete;
+  Display& operator=(const Display&) = delete;
+
+  virtual bool is_open() const = 0;  // nobody has closed it
+  virtual int width() const = 0;     // of what is drawn into, pixels; may change; 0 while nothing can be seen
+  virtual int height() const = 0;
+  virtual void bind() const = 0;                    // makes it the framebuffer drawn into and sets the viewport
+  virtual void present() = 0;                       // shows what was drawn and takes the events
+  virtual void wait_for_input(double seconds) = 0;  // takes events as they come, for so long at most; shows nothing new
+  virtual WindowInput take_input() = 0;
+};
+
+}  // namespace rotunda::playback
