@@ -10,7 +10,7 @@
 #include "playback/character_desk.h"
 #include "playback/character_view.h"
 #include "playback/clip_loader.h"
-#include "playback/display/window.h"
+#include "playback/display/open_display.h"
 #include "playback/graph_map.h"
 #include "playback/picture_clock.h"
 #include "playback/render/overlay.h"
@@ -60,7 +60,7 @@ CharacterPlayReport play_character(const std::filesystem::path& character, const
   CharacterPlayReport report;
   PictureClock clock;
   StateMap map(graph);
-  const auto play_in = [&](Window& window) {
+  const auto play_in = [&](Display& window) {
     CharacterView view(character, graph);
     ClipLoader loader(character, graph);
     Overlay overlay;
@@ -94,9 +94,11 @@ CharacterPlayReport play_character(const std::filesystem::path& character, const
       clock.end();
     }
   };
-  report.lost_contexts = with_window(
-      {.title = "rotunda", .width = options.width, .height = options.height, .fullscreen = options.fullscreen},
-      play_in);
+  report.lost_contexts = with_display({.window = {.title = "rotunda",
+                                                  .width = options.width,
+                                                  .height = options.height,
+                                                  .fullscreen = options.fullscreen}},
+                                      play_in);
   report.seconds = clock.seconds();
   return report;
 }

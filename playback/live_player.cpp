@@ -3,7 +3,6 @@
 #include <chrono>
 #include <tuple>
 
-#include "playback/display/window.h"
 #include "playback/eye_control.h"
 
 namespace rotunda::playback {
@@ -68,7 +67,7 @@ LivePlayReport play_live(const std::function<std::optional<LiveView>()>& newest,
   std::optional<Look> look;
   LivePlayReport report;
   const auto begin = Clock::now();
-  const auto play_in = [&](Window& window) {
+  const auto play_in = [&](Display& window) {
     LiveStage stage;
     if (shown) stage.show(*shown);
     if (look) std::tie(stage.orbit(), stage.options()) = std::tie(look->orbit, look->options);
@@ -100,9 +99,13 @@ LivePlayReport play_live(const std::function<std::optional<LiveView>()>& newest,
       window.wait_for_input(kLook_s);
     }
   };
-  report.lost_contexts = with_window(
-      {.title = "rotunda live", .width = options.width, .height = options.height, .fullscreen = options.fullscreen},
-      play_in);
+  report.lost_contexts = with_display({.kind = options.display,
+                                       .window = {.title = "rotunda live",
+                                                  .width = options.width,
+                                                  .height = options.height,
+                                                  .fullscreen = options.fullscreen},
+                                       .screen = options.screen},
+                                      play_in);
   report.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
   return report;
 }

@@ -1,11 +1,12 @@
 #pragma once
-// Shows live surfaces in a window as they come, seen by an eye that the operator turns about the performer. Keys:
-// arrows and the dragged mouse go round; + - and the wheel zoom; space holds the surface; Home looks from the front
-// again; g shows the bare shape in grey; q or Esc ends.
+// Shows live surfaces in a window, or on a whole screen without a desktop, as they come, seen by an eye that the
+// operator turns about the performer. Keys: arrows and the dragged mouse go round; + - and the wheel zoom; space holds
+// the surface; Home looks from the front again; g shows the bare shape in grey; q or Esc ends.
 #include <functional>
 #include <optional>
 #include <stop_token>
 
+#include "playback/display/open_display.h"
 #include "playback/live_stage.h"
 
 namespace rotunda::playback {
@@ -13,6 +14,8 @@ namespace rotunda::playback {
 struct LivePlayOptions {
   int width = 1280, height = 720;  // pixels
   bool fullscreen = false;
+  DisplayKind display = DisplayKind::window;
+  KmsOptions screen;  // without a desktop
   std::stop_token stop;
 };
 

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "playback/display/headless.h"
-#include "playback/display/window.h"
+#include "playback/display/open_display.h"
 #include "playback/marker_view.h"
 #include "playback/picture_clock.h"
 
@@ -122,7 +122,7 @@ EditMarkersReport edit_markers(const recon::PreparedScan& scan, recon::MarkerEdi
   MarkerDesk& desk = session.desk();
   EditMarkersReport report;
   PictureClock clock;
-  const auto edit_in = [&](Window& window) {
+  const auto edit_in = [&](Display& window) {
     MarkerView view;
     MarkerLayout layout{0, 0};
     int stood = kRedrawn;  // looks at the input since the last picture
@@ -149,11 +149,11 @@ EditMarkersReport edit_markers(const recon::PreparedScan& scan, recon::MarkerEdi
       clock.end(false);
     }
   };
-  report.lost_contexts = with_window({.title = "rotunda: markers " + keeper.file().filename().string(),
-                                      .width = options.width,
-                                      .height = options.height,
-                                      .fullscreen = options.fullscreen},
-                                     edit_in);
+  report.lost_contexts = with_display({.window = {.title = "rotunda: markers " + keeper.file().filename().string(),
+                                                  .width = options.width,
+                                                  .height = options.height,
+                                                  .fullscreen = options.fullscreen}},
+                                      edit_in);
   report.seconds = clock.seconds();
   report.frame = desk.frame();
   return report;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "playback/display/window.h"
+#include "playback/display/open_display.h"
 #include "playback/frame_fetcher.h"
 #include "playback/performer_place.h"
 #include "playback/picture_clock.h"
@@ -81,7 +81,7 @@ PlayReport play(recon::GeometryVideoReader& video, const PlayOptions& options) {
                 orbit_around(header.box));
   PlayReport report;
   PictureClock clock;
-  const auto play_in = [&](Window& window) {
+  const auto play_in = [&](Display& window) {
     Projector projector(video, options, report.frames);
     Overlay overlay;
     while (window.is_open() && !desk.ended() && !options.stop.stop_requested() &&
@@ -106,9 +106,11 @@ PlayReport play(recon::GeometryVideoReader& video, const PlayOptions& options) {
       clock.end(!desk.shows_pictures());
     }
   };
-  report.lost_contexts = with_window(
-      {.title = "rotunda", .width = options.width, .height = options.height, .fullscreen = options.fullscreen},
-      play_in);
+  report.lost_contexts = with_display({.window = {.title = "rotunda",
+                                                  .width = options.width,
+                                                  .height = options.height,
+                                                  .fullscreen = options.fullscreen}},
+                                      play_in);
   report.seconds = clock.seconds();
   return report;
 }

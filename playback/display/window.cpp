@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <optional>
 #include <utility>
 
@@ -201,26 +200,6 @@ WindowInput Window::take_input() {
   for (std::size_t i = 0; i < held.size(); ++i)
     if (handles_->held[i] && !held[i]) handles_->input.buttons.push_back(static_cast<Button>(i));
   return std::exchange(handles_->input, {});
-}
-
-int with_window(WindowOptions options, const std::function<void(Window&)>& use) {
-  using Clock = std::chrono::steady_clock;
-  constexpr int kMostOnEnd = 10;
-  constexpr auto kSoon = std::chrono::seconds(5);
-  for (int lost = 0, on_end = 0;; ++lost) {
-    const auto begin = Clock::now();
-    Window window(options);
-    try {
-      use(window);
-      return lost;
-    } catch (const ContextLost&) {
-      on_end = Clock::now() - begin < kSoon ? on_end + 1 : 0;
-      if (on_end == kMostOnEnd) throw;
-      if (window.width() <= 0 || window.height() <= 0) continue;
-      options.width = window.width();
-      options.height = window.height();
-    }
-  }
 }
 
 }  // namespace rotunda::playback

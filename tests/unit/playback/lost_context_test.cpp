@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "playback/display/headless.h"
-#include "playback/display/window.h"
+#include "playback/display/open_display.h"
 #include "playback/live_player.h"
 #include "playback/player.h"
 #include "recon/sphere/resample.h"
@@ -94,11 +94,11 @@ TEST_F(LostContext, OfALiveWindowIsMadeAnewWithWhatWasSeenLast) {
 TEST_F(LostContext, AgainAndAgainIsTold) {
   tests::lose_contexts(1000, 1);
   int tried = 0;
-  EXPECT_THROW(with_window({.width = 64, .height = 48},
-                           [&](Window& window) {
-                             ++tried;
-                             for (;;) window.present();
-                           }),
+  EXPECT_THROW(with_display({.window = {.width = 64, .height = 48}},
+                            [&](Display& window) {
+                              ++tried;
+                              for (;;) window.present();
+                            }),
                DeviceError);
   EXPECT_EQ(tried, 10);
 }
@@ -106,7 +106,7 @@ TEST_F(LostContext, AgainAndAgainIsTold) {
 TEST_F(LostContext, KeepsTheWindowsSize) {
   tests::lose_contexts(1, 1);
   cv::Size last;
-  const int lost = with_window({.width = 200, .height = 100}, [&](Window& window) {
+  const int lost = with_display({.window = {.width = 200, .height = 100}}, [&](Display& window) {
     last = {window.width(), window.height()};
     window.present();
   });
