@@ -81,8 +81,14 @@ cv::Size size_of(const LiveViewRequest& request) {
 int play_in_window(const std::function<std::optional<playback::LiveView>()>& newest, const LiveViewRequest& request,
                    std::stop_token stop) {
   const auto size = size_of(request);
-  const auto report = playback::play_live(
-      newest, {.width = size.width, .height = size.height, .fullscreen = request.fullscreen, .stop = std::move(stop)});
+  const auto tell = [](const std::string& line) { fmt::print(stderr, "{}\n", line); };
+  const auto report =
+      playback::play_live(newest, {.width = size.width,
+                                   .height = size.height,
+                                   .fullscreen = request.fullscreen,
+                                   .display = request.display,
+                                   .screen = {.device = request.device, .connector = request.connector, .tell = tell},
+                                   .stop = std::move(stop)});
   if (request.json)
     fmt::print("{}\n", json{{"pictures", report.pictures},
                             {"surfaces", report.surfaces},

@@ -2,7 +2,10 @@
 // What `rotunda play --live` and rotunda-kiosk share: the daemon's live surfaces in a window, or as one picture.
 #include <filesystem>
 #include <stop_token>
+#include <string>
 #include <vector>
+
+#include "playback/display/open_display.h"
 
 namespace rotunda::rig {
 
@@ -10,6 +13,9 @@ struct LiveViewRequest {
   std::filesystem::path socket;
   bool with_pictures = false;  // of four cameras with their mattes, beside the surface
   bool fullscreen = false;
+  playback::DisplayKind display = playback::DisplayKind::window;
+  std::filesystem::path device;   // /dev/dri/cardN, without a desktop; empty: the first with a display
+  std::string connector;          // of it
   std::filesystem::path picture;  // PNG instead of a window: needs no display
   long surfaces = 1;              // that come before it is written
   std::vector<int> size;          // width, height in pixels; empty: 1280 x 720
