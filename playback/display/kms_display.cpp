@@ -13,6 +13,7 @@
 #include <optional>
 
 #include "config/errors.h"
+#include "playback/display/context_reset.h"
 #include "playback/display/kms_card.h"
 #include "playback/display/kms_mode_setter.h"
 #include "playback/display/kms_surface.h"
@@ -72,6 +73,7 @@ class KmsDisplay::Screen {
   void present() {
     wait_for_flip();
     if (lit_) flip();
+    if (reset_->happened()) throw ContextLost();
     input_.read(mode_.vdisplay);
     look_at_connector();
   }
@@ -128,6 +130,7 @@ class KmsDisplay::Screen {
     if (!mode) return false;
     mode_ = *mode;
     surface_.resize(mode_.hdisplay, mode_.vdisplay);
+    reset_.emplace();
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
     glClearColor(0.0F, 0.0F, 0.0F, 1.0F);
     glClear(GL_COLOR_BUFFER_BIT);
@@ -177,6 +180,7 @@ class KmsDisplay::Screen {
   CrtcBefore before_;
   KmsSurface surface_;
   std::unique_ptr<ModeSetter> setter_;
+  std::optional<ContextReset> reset_;
   drmModeModeInfo mode_{};
   bool lit_ = false, flipping_ = false;
   Clock::time_point looked_at_;

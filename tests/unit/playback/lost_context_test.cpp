@@ -29,7 +29,7 @@ class LostContext : public ::testing::Test {
   void SetUp() override {
     if (screen_.display().empty()) GTEST_SKIP() << "no Xvfb here: install the package xvfb";
     ::setenv("DISPLAY", screen_.display().c_str(), 1);
-    XSetErrorHandler([](Display*, XErrorEvent*) { return 0; });  // a window may go while it is looked at
+    XSetErrorHandler([](::Display*, XErrorEvent*) { return 0; });  // a window may go while it is looked at
   }
   ~LostContext() override {
     tests::lose_contexts(0, 0);
