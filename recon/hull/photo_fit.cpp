@@ -11,6 +11,8 @@
 namespace rotunda::recon {
 namespace {
 
+constexpr float kNever = 1e6F;  // a cost
+
 // Vertices of which no two are neighbours, as many as their order allows.
 std::vector<char> every_other(const VertexRings& rings) {
   std::vector<char> chosen(rings.size(), 0);
@@ -102,10 +104,12 @@ class PhotoFit {
     for (std::size_t v = 0; v < weight_.size(); ++v) {
       const double sigma = options_.prior_sigma + options_.prior_slope * static_cast<double>(rim_distance_[v]);
       const std::span<float> cost(&cost_[v * labels_], labels_);
-      const float photo = static_cast<float>(options_.photo_weight) * sureness(v, cost);
+      const bool asked = options_.farthest_sigmas * sigma >= options_.least_reach;
+      const float photo = asked ? static_cast<float>(options_.photo_weight) * sureness(v, cost) : 0.0F;
       for (std::size_t l = 0; l < labels_; ++l) {
         const double off = offset_of(l) / sigma;
-        cost[l] = static_cast<float>(0.5 * off * off) + photo * (1.0F - cost[l]);
+        const bool likely = std::abs(off) <= options_.farthest_sigmas;
+        cost[l] = likely ? static_cast<float>(0.5 * off * off) + photo * (1.0F - cost[l]) : kNever;
       }
     }
   }

@@ -23,6 +23,8 @@ struct PhotoFitOptions {
   double sure_margin = 0.05;      // of the best correlation above its rivals: less tells less
   double prior_sigma = 0.008;     // of the surface beside a rim, world units
   double prior_slope = 0.50;      // of that standard deviation by the distance to the nearest rim
+  double farthest_sigmas = 1.5;   // of the prior: what lies beyond is not believed, however well pictures agree
+  double least_reach = 0.0;       // world units: of the prior, so far; where it reaches less far pictures are not asked
   double photo_weight = 32.0;     // of a correlation that falls by one, against one sigma squared of the prior, halved
   double smoothness = 2.0;        // of a difference of one step between neighbours
   double steepest = 1.0;          // of offsets over the surface

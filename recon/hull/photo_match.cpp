@@ -9,6 +9,7 @@
 namespace rotunda::recon {
 namespace {
 
+constexpr double kPhantom = 0.064;  // metres: air that a hull encloses before a belly between swinging arms
 constexpr double kDeepest = 0.032;  // metres: air between limbs that no silhouette shows
 constexpr int kNormalRounds = 8;    // means over neighbours: the direction of the surface at large
 constexpr int kGainRounds = 12;     // the same of agreements, over some hand's breadth
@@ -102,6 +103,10 @@ void settle(TriangleMesh& mesh, const PhotoMatch& match, const VertexRings& ring
   PhotoFitOptions options;
   options.thinned = thinned;
   options.reach = reach * match.metre;
+  if (reach > kDeepest) {
+    options.even_rounds *= 3;  // the more is tried the more must agree
+    options.least_reach = kDeepest * match.metre;
+  }
   options.prior_sigma *= match.metre;
   options.rival_distance *= match.metre;
   const auto views = photo_views(mesh, match.cameras, match.pictures);
@@ -134,6 +139,7 @@ void match_to_pictures(TriangleMesh& mesh, const PhotoMatch& match) {
   const auto distance = rim_distances(match.hull, match.rims, match.fit.cell_size, 2.0 * match.fit.law.farthest);
   const VertexRings rings(mesh);
   const auto fitted = mesh;
+  settle(mesh, match, rings, distance, kPhantom, true);
   settle(mesh, match, rings, distance, kDeepest, true);
   settle(mesh, match, rings, distance, 0.5 * kDeepest, true);
   try_without_lumps(fitted, match, rings, distance, mesh);

@@ -1,5 +1,5 @@
 #pragma once
-// A surface that was fitted to rims goes to where the pictures agree (photo_fit.h), three times, each from nearer by,
+// A surface that was fitted to rims goes to where the pictures agree (photo_fit.h), four times, each from nearer by,
 // once more from where that left lumps, evened out, and back to the rims, which know better. A repeated pattern agrees
 // in wrong places too, so the fitted surface is left only for what is better than it: offsets that are told apart from
 // others, of which neighbours are sure together, and after which the pictures agree no less than before. World frame
