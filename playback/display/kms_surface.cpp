@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "config/errors.h"
+#include "playback/display/display.h"
 
 namespace rotunda::playback {
 namespace {
@@ -20,9 +21,11 @@ namespace {
 constexpr std::uint32_t kFormat = GBM_FORMAT_XRGB8888;  // the one that every driver scans out
 
 [[noreturn]] void fail(const char* step) {
+  const EGLint error = eglGetError();
+  if (error == EGL_CONTEXT_LOST) throw ContextLost();
   throw DeviceError("display", fmt::format("{} failed (EGL error 0x{:x}); is Mesa's renderer (libgl1-mesa-dri) "
                                            "installed?",
-                                           step, eglGetError()));
+                                           step, error));
 }
 
 EGLConfig config_of(EGLDisplay display) {
