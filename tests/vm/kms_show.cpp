@@ -87,17 +87,18 @@ int show(const std::vector<std::string>& arguments) {
   const capture::Interrupt interrupt;
   std::signal(SIGUSR1, [](int) { must_fail = 1; });
   const auto ball = painted_ball();
+  int views = 0;
   const auto newest = [&] {
+    if (++views == 10) fmt::print(stderr, "{}\n", kManyPictures);
     if (must_fail) throw InvalidInput("as asked");
     return std::optional(ball);
   };
   const auto tell = [](const std::string& line) { fmt::print(stderr, "{}\n", line); };
   try {
-    const auto report = playback::play_live(
-        newest, {.display = playback::DisplayKind::screen,
-                 .screen = {.device = arguments.at(0), .atomic = arguments.at(1) == "atomic", .tell = tell},
-                 .stop = interrupt.token()});
-    fmt::print("pictures: {}\n", report.pictures);
+    playback::play_live(newest,
+                        {.display = playback::DisplayKind::screen,
+                         .screen = {.device = arguments.at(0), .atomic = arguments.at(1) == "atomic", .tell = tell},
+                         .stop = interrupt.token()});
     return kDone;
   } catch (...) {
     return report_current_exception("show");

@@ -14,8 +14,9 @@ namespace rotunda::vm {
 // A painted ball: nothing on it looks the same elsewhere.
 playback::LiveView painted_ball();
 
-// What the process does: shows the ball, drawn anew all the time, until it is asked to end, and tells how many pictures
-// that were; after SIGUSR1 an exception ends it. ARGUMENTS: DEVICE atomic|legacy
+// What the process does: shows the ball, drawn anew all the time, until it is asked to end, and says when that were
+// more pictures than there are buffers; after SIGUSR1 an exception ends it. ARGUMENTS: DEVICE atomic|legacy
+inline constexpr const char* kManyPictures = "many pictures";
 int show(const std::vector<std::string>& arguments);
 
 // Draws it without a display. ARGUMENTS: FILE.png WIDTH HEIGHT colour|grey
