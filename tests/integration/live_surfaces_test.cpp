@@ -80,7 +80,7 @@ TEST_F(LiveSurfaces, AreDrawnForThePlayerAndWithFourCamerasForTheKiosk) {
   EXPECT_EQ(capture::read_rgb(kiosk_file).size(), cv::Size(640, 360));
 
   unsetenv("DISPLAY");
-  const auto headless = run("rotunda-kiosk", {"--daemon", socket().string()});
+  const auto headless = run("rotunda-kiosk", {"--daemon", socket().string(), "--display", "window"});
   EXPECT_EQ(headless.exit_code, 4);
   EXPECT_THAT(headless.err, HasSubstr("no display"));
 }
