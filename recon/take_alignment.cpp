@@ -13,14 +13,14 @@
 #include "capture/base/sha256.h"
 #include "capture/take/take_reader.h"
 #include "config/errors.h"
-#include "config/median.h"
+#include "recon/alignment_report.h"
 #include "recon/alignment_store.h"
-#include "recon/body/motion_capture.h"
 #include "recon/colour/surface_colour.h"
 #include "recon/frame_reconstruction.h"
 #include "recon/geometry_image_file.h"
 #include "recon/sphere/octahedral_lattice.h"
 #include "recon/sphere/resample.h"
+#include "recon/take_body.h"
 #include "recon/take_plates.h"
 #include "recon/take_studio.h"
 #include "recon/whole_file.h"
@@ -40,27 +40,9 @@ std::string frame_settings(const fs::path& take) {
   return text;
 }
 
-json json_of(const FrameAlignment& frame) {
-  return {{"frame", frame.frame},
-          {"residual_mean_mm", frame.residual_mean_mm},
-          {"residual_p95_mm", frame.residual_p95_mm},
-          {"stretch_p95", frame.stretch_p95},
-          {"uncovered", frame.uncovered},
-          {"folds", frame.folds}};
-}
-
-FrameAlignment frame_alignment_of(const std::string& text, const fs::path& folder) {
-  try {
-    const auto frame = json::parse(text);
-    return {.frame = frame.at("frame").get<std::size_t>(),
-            .residual_mean_mm = frame.at("residual_mean_mm").get<double>(),
-            .residual_p95_mm = frame.at("residual_p95_mm").get<double>(),
-            .stretch_p95 = frame.at("stretch_p95").get<double>(),
-            .uncovered = frame.at("uncovered").get<double>(),
-            .folds = frame.at("folds").get<std::size_t>()};
-  } catch (const json::exception&) {
-    throw CorruptData(folder.string() + ": a frame's report is damaged; delete the folder and align again");
-  }
+[[noreturn]] void refuse_unaligned(const fs::path& take) {
+  throw InvalidInput(fmt::format("take {} is not aligned; run `rotunda recon {} --align` first", take.string(),
+                                 take.filename().string()));
 }
 
 class TakeAlignment {
@@ -70,14 +52,17 @@ class TakeAlignment {
   TakeAlignmentReport run();
 
  private:
+  void carry_or_follow();
   void choose_frames();
   std::optional<BodyTrack> found_body();
   std::optional<AlignmentReference> own_reference(const BodyTrack& track);
   AlignmentReference foreign_reference(const std::optional<BodyTrack>& track) const;
-  fs::path joints_file() const;
   void open_store(const std::string& reference);
   void carry(const AlignmentReference& reference, const BodyTrack& track);
   void follow();
+  void match();
+  std::optional<GeometryImage> first_of_reference() const;
+  bool all_finished() const;
   void finish(const AlignmentReference& reference, std::size_t frame, AlignedFrame aligned);
   void colour(const AlignmentReference& reference, std::size_t frame, AlignedFrame& aligned);
   bool has_surface(std::size_t frame) const;
@@ -147,31 +132,18 @@ LoadSurface TakeAlignment::surfaces_from(std::size_t first) const {
   };
 }
 
-// The person's motion, kept beside the frames; none where nobody is found.
+// None where nobody is found. With a reference its measures of the person hold: loose clothes would make another body
+// of the same person in every take.
 std::optional<BodyTrack> TakeAlignment::found_body() {
-  const auto file = joints_file();
-  if (fs::exists(file)) {
-    const auto track = read_joints_json(file);
-    if (track.first_frame <= first_ && track.first_frame + track.poses.size() >= end_) return steadied(track);
-  }
+  MotionCaptureOptions options{
+      .take = options_.take, .calibration = options_.calibration, .frames = std::pair(first_, end_)};
+  if (options_.reference) options.body = kept_body_of(*options_.reference);
   try {
-    const MotionCaptureOptions options{
-        .take = options_.take, .calibration = options_.calibration, .frames = std::pair(first_, end_)};
-    const auto captured = clock_.run("skeleton", [&] { return capture_motion(options, {}, stop_); });
-    if (captured.interrupted) return std::nullopt;
-    const auto track = track_of(captured.motion);
-    if (std::none_of(track.poses.begin(), track.poses.end(), [](const auto& pose) { return pose.has_value(); }))
-      throw InvalidInput("the person was lost in every frame");
-    write_joints_json(file, captured.motion);
-    return steadied(track);
+    return body_of_take(options, clock_, stop_);
   } catch (const InvalidInput& e) {
     report_.why_no_skeleton = e.what();
     return std::nullopt;
   }
-}
-
-fs::path TakeAlignment::joints_file() const {
-  return FrameStore::folder_of(take_.folder()) / "joints.json";
 }
 
 // Frames that another motion carried are made again: it was captured anew, over more frames.
@@ -180,7 +152,7 @@ void TakeAlignment::open_store(const std::string& reference) {
                       {"frames", settings_},
                       {"how", report_.how},
                       {"reference", reference},
-                      {"motion", report_.how == "skeleton" ? capture::sha256_of(joints_file()) : ""}};
+                      {"motion", report_.how == "skeleton" ? capture::sha256_of(joints_file_of(take_.folder())) : ""}};
   store_.emplace(AlignmentStore::folder_of(take_.folder()), settings.dump());
 }
 
@@ -203,9 +175,7 @@ std::optional<AlignmentReference> TakeAlignment::own_reference(const BodyTrack& 
 AlignmentReference TakeAlignment::foreign_reference(const std::optional<BodyTrack>& track) const {
   const AlignmentStore other(AlignmentStore::folder_of(*options_.reference));
   auto reference = other.reference();
-  if (!reference)
-    throw InvalidInput(fmt::format("take {} is not aligned; run `rotunda recon {} --align` first",
-                                   options_.reference->string(), options_.reference->filename().string()));
+  if (!reference) refuse_unaligned(*options_.reference);
   if (!reference->body)
     throw InvalidInput(
         fmt::format("take {} was followed from frame to frame, without a person's skeleton; no other "
@@ -221,6 +191,17 @@ TakeAlignmentReport TakeAlignment::run() {
   const tbb::global_control threads(
       tbb::global_control::max_allowed_parallelism,
       static_cast<std::size_t>(options_.jobs > 0 ? options_.jobs : tbb::info::default_concurrency()));
+  if (options_.paper)
+    match();
+  else
+    carry_or_follow();
+  report_.interrupted = stop_.stop_requested();
+  if (!report_.interrupted) make_report();
+  report_.stages = clock_.costs();
+  return report_;
+}
+
+void TakeAlignment::carry_or_follow() {
   const auto track = found_body();
   if (options_.reference && !stop_.stop_requested()) {
     const auto reference = foreign_reference(track);
@@ -236,10 +217,6 @@ TakeAlignmentReport TakeAlignment::run() {
     else if (!stop_.stop_requested())
       follow();
   }
-  report_.interrupted = stop_.stop_requested();
-  if (!report_.interrupted) make_report();
-  report_.stages = clock_.costs();
-  return report_;
 }
 
 // Frames side by side: none needs another.
@@ -264,9 +241,7 @@ void TakeAlignment::carry(const AlignmentReference& reference, const BodyTrack& 
 void TakeAlignment::follow() {
   report_.how = "tracking";
   open_store("key");
-  bool all = true;
-  for (auto frame = first_; frame < end_; ++frame) all = all && (store_->finished(frame) || !has_surface(frame));
-  if (all) return;
+  if (all_finished()) return;
   const auto key = clock_.run("reference", [&] {
     return key_reference(
         end_ - first_, level_, [&](std::size_t i) { return mapped(first_ + i); }, stop_);
@@ -278,10 +253,38 @@ void TakeAlignment::follow() {
       [&](std::size_t i, const AlignedFrame& frame) { finish(key->reference, first_ + i, frame); }, stop_);
 }
 
+bool TakeAlignment::all_finished() const {
+  bool all = true;
+  for (auto frame = first_; frame < end_; ++frame) all = all && (store_->finished(frame) || !has_surface(frame));
+  return all;
+}
+
+// Of the take that this one is matched to, the first frame as it was aligned.
+std::optional<GeometryImage> TakeAlignment::first_of_reference() const {
+  if (!options_.reference) return std::nullopt;
+  const auto folder = AlignmentStore::folder_of(*options_.reference);
+  const auto report = json::parse(read_text(folder / "report.json"), nullptr, false);
+  if (report.is_discarded() || report["frames"].empty()) refuse_unaligned(*options_.reference);
+  return AlignmentStore(folder).image(report["frames"][0]["frame"].get<std::size_t>());
+}
+
+void TakeAlignment::match() {
+  report_.how = "matching";
+  const auto before = first_of_reference();
+  open_store(before ? fs::absolute(*options_.reference).lexically_normal().string() : "own");
+  if (all_finished()) return;
+  match_sequence(
+      end_ - first_, before,
+      [this](std::size_t i) {
+        return has_surface(first_ + i) ? std::optional(frames_.image(first_ + i)) : std::nullopt;
+      },
+      [&](std::size_t i, const AlignedFrame& frame) { finish({}, first_ + i, frame); }, stop_);
+}
+
 // An empty frame: there is nothing to keep, or it is kept already.
 void TakeAlignment::finish(const AlignmentReference& reference, std::size_t frame, AlignedFrame aligned) {
   if (!aligned.image.positions.empty()) {
-    clock_.run("colour", [&] { colour(reference, frame, aligned); });
+    if (aligned.image.colours.empty()) clock_.run("colour", [&] { colour(reference, frame, aligned); });
     const FrameAlignment report{.frame = frame,
                                 .residual_mean_mm = aligned.residual_mean_mm,
                                 .residual_p95_mm = aligned.residual_p95_mm,
@@ -324,12 +327,6 @@ void TakeAlignment::make_report() {
 }
 
 }  // namespace
-
-double TakeAlignmentReport::uncovered() const {
-  std::vector<double> shares;
-  for (const auto& frame : frames) shares.push_back(frame.uncovered);
-  return median(std::move(shares));
-}
 
 TakeAlignmentReport align_take(const TakeAlignmentOptions& options,
                                const std::function<void(std::size_t, std::size_t)>& progress, std::stop_token stop) {

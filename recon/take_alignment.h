@@ -22,7 +22,8 @@ struct TakeAlignmentOptions {
   std::optional<std::filesystem::path> reference;             // another take's folder; else the take's own reference
   std::optional<std::filesystem::path> calibration;           // what the take was reconstructed with, if not its own
   std::optional<std::pair<std::size_t, std::size_t>> frames;  // half-open; else all that were reconstructed
-  int jobs = 0;                                               // frames at once; 0: one a core
+  bool paper = false;  // spherical matching, frame after frame, as the first paper; else by a skeleton or tracking
+  int jobs = 0;        // frames at once; 0: one a core
 };
 
 struct FrameAlignment {
@@ -34,7 +35,7 @@ struct FrameAlignment {
 };
 
 struct TakeAlignmentReport {
-  std::string how;                     // "skeleton", or "tracking" from frame to frame where there is nobody
+  std::string how;  // "skeleton", "tracking" from frame to frame where there is nobody, or "matching" on the sphere
   std::string why_no_skeleton;         // for people; empty if there is one
   std::vector<FrameAlignment> frames;  // ascending; also in recon/aligned/report.json
   std::vector<StageCost> stages;       // of this run

@@ -286,6 +286,7 @@ void TakeReconstruction::align_frames() {
                                      .reference = options_.reference,
                                      .calibration = options_.calibration,
                                      .frames = std::pair(first_, end_),
+                                     .paper = options_.paper,
                                      .jobs = options_.jobs};
   if (!options_.reference && studio_.unit != "m") {
     report_.unaligned = "the calibration is not in metres";

@@ -135,7 +135,7 @@ MotionCapture::Start MotionCapture::find_start() {
     ++silhouettes;
     if (!extent->is_upright()) continue;
     ++upright;
-    auto found = clock_.run("start", [&] { return start_body(seen, std::nullopt); });
+    auto found = clock_.run("start", [&] { return start_body(seen, options_.body); });
     if (!found) continue;
     if (fits_well(*found)) ++good;
     frames.push_back(frame);
@@ -158,6 +158,11 @@ void MotionCapture::refuse_start(std::size_t looked, std::size_t silhouettes, st
         fmt::format("take {}: nobody stands upright, 0.8 to 2.4 m tall, in any of {} frames; choose a range with "
                     "--frames in which the person stands or walks, or check that the calibration is in metres, z up",
                     name, looked));
+  if (options_.body)
+    throw InvalidInput(fmt::format(
+        "take {}: who stands upright in {} of {} frames has not the measures of the person asked for ({:.2f} m "
+        "tall): is it somebody else?",
+        name, upright, looked, height_of(options_.body->measures)));
   throw InvalidInput(fmt::format(
       "take {}: what stands upright in {} of {} frames is like no person of two arms and two legs; choose other frames "
       "with --frames, or look at the mattes with `rotunda recon {} --frames 0:1 --mattes DIR`",
@@ -256,7 +261,7 @@ MotionCaptureReport MotionCapture::run() {
     make_live_keys(take_, studio_.views);
   });
   auto start = find_start();
-  if (!stop_.stop_requested()) solve_template(start);
+  if (!stop_.stop_requested() && !options_.body) solve_template(start);
   report_.motion.body = start.found.body;
   report_.motion.fps = take_.info().fps;
   report_.motion.first_frame = first_;

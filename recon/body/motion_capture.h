@@ -20,6 +20,7 @@ struct MotionCaptureOptions {
   std::optional<std::filesystem::path> calibration;           // else the take's own
   std::optional<std::pair<std::size_t, std::size_t>> frames;  // half-open; else all
   bool only_overlap = false;                                  // the paper's: silhouette overlap alone
+  std::optional<BodyTemplate> body;                           // the person's, known from another take; else solved
 };
 
 struct MotionCaptureReport {
@@ -31,7 +32,7 @@ struct MotionCaptureReport {
 };
 
 // Equal on any number of threads. Throws InvalidInput that says what to do: fewer than two cameras, nobody in the
-// silhouettes, no upright frame; ConfigError, CorruptData, std::system_error.
+// silhouettes, no upright frame, nobody of the known measures; ConfigError, CorruptData, std::system_error.
 MotionCaptureReport capture_motion(const MotionCaptureOptions& options,
                                    const std::function<void(std::size_t done, std::size_t total)>& progress,
                                    std::stop_token stop);

@@ -86,13 +86,7 @@ class LatticeRelaxation {
       weights += weight;
     }
     if (!(weights > 0.0)) return;
-    double step = kStep / weights;
-    for (int attempt = 0; attempt < 3; ++attempt, step *= 0.4) {
-      const Eigen::Vector3d candidate = (points_[vertex] + step * sum).normalized();
-      if (!inside_kernel(candidate, {corners.data(), ring.size()})) continue;
-      points_[vertex] = candidate;
-      return;
-    }
+    points_[vertex] = step_in_kernel(points_[vertex], kStep / weights * sum, {corners.data(), ring.size()});
   }
 
   const TriangleMesh& mesh_;

@@ -146,4 +146,12 @@ bool inside_kernel(const Eigen::Vector3d& x, std::span<const Eigen::Vector3d> ri
   return true;
 }
 
+Eigen::Vector3d step_in_kernel(const Eigen::Vector3d& x, Eigen::Vector3d step, std::span<const Eigen::Vector3d> ring) {
+  for (int attempt = 0; attempt < 3; ++attempt, step *= 0.4) {
+    const Eigen::Vector3d candidate = (x + step).normalized();
+    if (inside_kernel(candidate, ring)) return candidate;
+  }
+  return x;
+}
+
 }  // namespace rotunda::recon

@@ -36,4 +36,8 @@ std::optional<Eigen::Vector3d> kernel_point(std::span<const Eigen::Vector3d> rin
 // Whether x sees every ring edge from its left, exactly.
 bool inside_kernel(const Eigen::Vector3d& x, std::span<const Eigen::Vector3d> ring);
 
+// Where a step from the unit direction x leads on the sphere, shortened (to two fifths, twice) until it ends inside the
+// kernel of the ring; x where none of these do.
+Eigen::Vector3d step_in_kernel(const Eigen::Vector3d& x, Eigen::Vector3d step, std::span<const Eigen::Vector3d> ring);
+
 }  // namespace rotunda::recon

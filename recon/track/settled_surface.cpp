@@ -113,6 +113,13 @@ double uncovered_share(const TriangleMesh& settled, const TriangleMesh& whole) {
 
 }  // namespace
 
+SettledSurface measured(TriangleMesh mesh, const SurfaceTarget& target) {
+  SettledSurface result{.mesh = std::move(mesh)};
+  measure(target, result);
+  result.uncovered = uncovered_share(result.mesh, target.mesh());
+  return result;
+}
+
 SettledSurface settle(const TriangleMesh& carried, const SurfaceTarget& target, const SettleOptions& options) {
   const VertexRings rings(carried);
   SettledSurface settled{.mesh = carried};
@@ -124,9 +131,9 @@ SettledSurface settle(const TriangleMesh& carried, const SurfaceTarget& target, 
     for (std::size_t v = 0; v < offsets.size(); ++v)
       settled.mesh.positions[v] += static_cast<float>(offsets[v]) * normals[v];
   }
-  settled.folds = unfold(rings, settled.mesh);
-  measure(target, settled);
-  settled.uncovered = uncovered_share(settled.mesh, target.mesh());
+  const auto folds = unfold(rings, settled.mesh);
+  settled = measured(std::move(settled.mesh), target);
+  settled.folds = folds;
   return settled;
 }
 

@@ -7,6 +7,7 @@
 #include "config/errors.h"
 #include "recon/sphere/relaxed_lattice.h"
 #include "recon/sphere/resample.h"
+#include "recon/sphere/spherical_matching.h"
 #include "recon/track/body_surface.h"
 #include "recon/track/rest_shape.h"
 #include "recon/track/settled_surface.h"
@@ -138,6 +139,34 @@ AlignedFrame BodyCarrier::align(const TriangleMesh& surface, const Skeleton& ske
   const auto target_mesh = with_normals(surface);
   const SurfaceTarget target(target_mesh);
   return settled_frame(state_->reference, state_->model.moved(state_->prior.posed(skeleton, pose)), target);
+}
+
+void match_sequence(std::size_t count, std::optional<GeometryImage> before,
+                    const std::function<std::optional<GeometryImage>(std::size_t)>& load, const FrameAligned& done,
+                    const std::stop_token& stop) {
+  std::optional<TriangleMesh> first;
+  for (std::size_t i = 0; i < count && !stop.stop_requested(); ++i) {
+    auto own = load(i);
+    if (!own) continue;
+    const auto own_surface = with_normals(remesh(*own));
+    std::size_t folds = 0;
+    if (before) {
+      const auto match = match_on_sphere(*own, *before, {.one_by_one = true});
+      folds = match.folds;
+      own = matched_image(*own, match);
+    }
+    auto fit = measured(with_normals(remesh(*own)), SurfaceTarget(own_surface));
+    if (!first) first = fit.mesh;
+    const double stretch = stretch_p95(*first, fit.mesh);
+    before = *own;
+    done(i, {.surface = std::move(fit.mesh),
+             .image = std::move(*own),
+             .residual_mean_mm = fit.residual_mean_mm,
+             .residual_p95_mm = fit.residual_p95_mm,
+             .stretch_p95 = stretch,
+             .uncovered = fit.uncovered,
+             .folds = folds});
+  }
 }
 
 void track_sequence(std::size_t count, const KeyFrame& key, const LoadSurface& load, const FrameAligned& done,

@@ -69,6 +69,12 @@ class BodyCarrier {
   std::unique_ptr<State> state_;
 };
 
+// As the first paper has it (SMH 4, figure 2): every frame's own geometry image matched on the sphere to the one
+// before, as that was matched; the first of them to `before`, if given. Images come with their colours.
+void match_sequence(std::size_t count, std::optional<GeometryImage> before,
+                    const std::function<std::optional<GeometryImage>(std::size_t)>& load, const FrameAligned& done,
+                    const std::stop_token& stop = {});
+
 // From the key frame on to both ends. Calls `done` once for each frame that could be loaded. Asked to stop, it leaves
 // the rest undone.
 void track_sequence(std::size_t count, const KeyFrame& key, const LoadSurface& load, const FrameAligned& done,

@@ -12,6 +12,7 @@
 #include "config/exit_code.h"
 #include "config/progress.h"
 #include "playback/render/film_writer.h"
+#include "recon/body/body_track.h"
 #include "recon/body/motion_capture.h"
 #include "recon/body/motion_overlay.h"
 #include "recon/export/motion_glb.h"
@@ -27,7 +28,7 @@ using nlohmann::json;
 
 struct MocapArguments {
   std::string take, frames;
-  fs::path output, joints, gltf, meshes, overlay, calibration;
+  fs::path output, joints, gltf, meshes, overlay, calibration, measures;
   bool paper = false;
 };
 
@@ -120,6 +121,7 @@ int capture_motion(const CommandLine& line, const MocapArguments& arguments, std
   recon::MotionCaptureOptions options{.take = find_take(line, arguments.take), .only_overlap = arguments.paper};
   if (!arguments.frames.empty()) options.frames = frame_range(arguments.frames);
   if (!arguments.calibration.empty()) options.calibration = arguments.calibration;
+  if (!arguments.measures.empty()) options.body = recon::read_joints_json(arguments.measures).body;
   recon::MotionCaptureReport report;
   {
     Progress bar("mocap " + options.take.filename().string());
@@ -149,10 +151,13 @@ void add_mocap_command(CommandLine& line) {
   mocap->add_option("--overlay", arguments->overlay, "also write a film (.mp4) of the template over every view");
   mocap->add_option("--calibration", arguments->calibration, "use this instead of the take's own");
   mocap->add_option("--frames", arguments->frames, "A:B, half-open, counted from 0");
+  mocap->add_option("--measures", arguments->measures,
+                    "a --joints file of the same person in another take: their lengths and widths as found there");
   mocap->add_flag("--paper", arguments->paper, "silhouette overlap alone, as the paper: no expectation, no recovery");
   mocap->footer(
       "No ritual pose is needed, but somebody must stand or walk upright in some of the frames.\n"
-      "Example:\n  rotunda mocap demo -o demo.bvh --joints joints.json --overlay demo-mocap.mp4");
+      "Example:\n  rotunda mocap demo -o demo.bvh --joints joints.json --overlay demo-mocap.mp4\n"
+      "  rotunda mocap jog -o jog.bvh --measures joints.json");
   mocap->callback([&line, arguments] {
     line.run = [&line, arguments](std::stop_token stop) { return capture_motion(line, *arguments, std::move(stop)); };
   });

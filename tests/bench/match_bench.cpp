@@ -1,6 +1,6 @@
 // How true the correspondence of aligned frames is: each sample's nearest point of the simulator's true surface at one
 // frame is followed to the other frame, where the same sample's nearest point should be it.
-//   match_bench align TAKE TRUTH [--joints JSON] [--frames FIRST:END]          a take in its own reference
+//   match_bench align TAKE TRUTH [--joints JSON] [--sphere] [--frames FIRST:END]          a take in its own reference
 //   match_bench pair TAKE TRUTH JSON FRAME TAKE TRUTH JSON FRAME               frames of two takes of one person
 // TAKE: a reconstructed take of the simulated studio, with recon/frames; TRUTH: the truth that rotunda-sim wrote; JSON:
 // what `rotunda mocap TAKE --joints JSON` wrote; without, surfaces are tracked from frame to frame. Baseline: each
@@ -139,7 +139,7 @@ recon::GeometryImage error_picture(recon::GeometryImage image, const OnTruth& a,
 
 struct Arguments {
   std::string take, truth, frames = "0:1000", joints, clip;
-  bool baseline = false;
+  bool baseline = false, sphere = false;
 };
 
 void print(const std::string& what, const Spread& spread, const std::string& asked) {
@@ -165,6 +165,10 @@ class Take {
   std::optional<recon::MappedSurface> mapped(std::size_t frame) const {
     if (!store_.finished(frame) || store_.failure(frame)) return std::nullopt;
     return store_.surface(frame);
+  }
+  std::optional<recon::GeometryImage> image(std::size_t frame) const {
+    if (!store_.finished(frame) || store_.failure(frame)) return std::nullopt;
+    return store_.image(frame);
   }
   std::optional<recon::TriangleMesh> surface(std::size_t frame) const {
     auto surface = mapped(frame);
@@ -293,6 +297,12 @@ int align(const Arguments& arguments) {
     Score score(take, arguments.clip);
     carry_by_nearest_points(take, first, end, score);
     score.print();
+  } else if (arguments.sphere) {
+    Score score(take, arguments.clip);
+    recon::match_sequence(
+        end - first, std::nullopt, [&](std::size_t i) { return take.image(first + i); },
+        [&](std::size_t i, const recon::AlignedFrame& frame) { score.add(first + i, frame); });
+    score.print();
   } else if (take.track()) {
     const auto reference = take.reference();
     const recon::BodyCarrier carrier(reference);
@@ -354,6 +364,7 @@ int main(int argc, char** argv) {
   align->add_option("--joints", arguments.joints, "what rotunda mocap --joints wrote");
   align->add_option("--clip", arguments.clip, "write a geometry video whose colours are errors since the first frame");
   align->add_flag("--baseline", arguments.baseline, "nearest points from frame to frame");
+  align->add_flag("--sphere", arguments.sphere, "spherical matching from frame to frame, as the first paper has it");
   rotunda::PairArguments pair_arguments;
   auto* pair = app.add_subcommand("pair", "frames of two takes of one person, in the first's reference");
   pair->add_option("from", pair_arguments.from)->required();

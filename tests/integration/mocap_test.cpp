@@ -8,6 +8,7 @@
 
 #include "capture/calibration_file.h"
 #include "capture/picture.h"
+#include "recon/body/body_track.h"
 #include "recon/body/bvh.h"
 #include "recon/mesh/mesh_file.h"
 #include "tests/integration/house_test.h"
@@ -118,6 +119,27 @@ TEST_F(Mocap, FollowsAWalkAndTellsTheFrameWithoutAnybody) {
     error += (Eigen::Vector3d(p[0].get<double>(), p[1].get<double>(), p[2].get<double>()) - truth[j]).norm();
   }
   EXPECT_LT(error / recon::kBodyJoints, 0.04);  // a pixel is 17 mm
+}
+
+TEST_F(Mocap, KeepsTheMeasuresThatAnotherTakeTold) {
+  ASSERT_EQ(import({}).exit_code, 0);
+  const auto known = folder() / "known.json", again = folder() / "again.json";
+  const recon::CapturedMotion other{.body = recon::template_of_height(1.76), .frames = {{.fit = {.pose = pose(0)}}}};
+  recon::write_joints_json(known, other);
+  const auto outcome = mocap({"--measures", known.string(), "--joints", again.string()});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(recon::read_joints_json(again).body.measures, other.body.measures);
+}
+
+TEST_F(Mocap, RefusesSomebodyElsesMeasures) {
+  ASSERT_EQ(import({}).exit_code, 0);
+  const auto childs = folder() / "child.json";
+  recon::write_joints_json(childs,
+                           {.body = recon::template_of_height(1.1), .frames = {{.fit = {.pose = recon::rest_pose()}}}});
+  const auto outcome = mocap({"--measures", childs.string()});
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_THAT(outcome.err, AllOf(HasSubstr("walk"), HasSubstr("1.10 m tall"), HasSubstr("somebody else")));
+  EXPECT_FALSE(fs::exists(folder() / "walk.bvh"));
 }
 
 TEST_F(Mocap, RefusesATakeWithoutAnybodyAndSaysWhatToLookAt) {
