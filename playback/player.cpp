@@ -53,10 +53,10 @@ class Projector {
  private:
   void show_between(const recon::GeometryImage& image, int frame, double share) {
     const auto next = share > 0.0 && frame + 1 < frames_ ? fetcher_.kept(frame + 1) : nullptr;
-    if (!next) return view_.show(image);
-    auto between = image;
-    recon::blend(between, *next, static_cast<float>(share));
-    view_.show(between);
+    if (next)
+      view_.show_between({image, frame}, {*next, frame + 1}, share);
+    else
+      view_.show_between({image, frame}, {image, frame}, 0.0);
   }
 
   long& frames_shown_;

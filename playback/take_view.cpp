@@ -30,6 +30,14 @@ void TakeView::show(const recon::GeometryImage& image, std::span<const SourceVie
   from_pictures_->upload(recon::remesh(image), views);
 }
 
+void TakeView::show_between(const GeometryImageRenderer::Numbered& from, const GeometryImageRenderer::Numbered& to,
+                            double share) {
+  if (!has_floor_) has_floor_ = stands_on_floor(from.image);
+  stored_.upload_between(from, to, share);
+  level_ = from.image.level;
+  in_pictures_ = false;
+}
+
 void TakeView::draw(const Viewpoint& viewpoint, const Eigen::Vector3d& performer, const DrawOptions& options,
                     int coarser) {
   clear(kDarkRoom);

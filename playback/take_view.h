@@ -14,6 +14,9 @@ class TakeView {
  public:
   // What is drawn from now on; with views, in their colours (view_dependent_renderer.h).
   void show(const recon::GeometryImage& image, std::span<const SourceView> views = {});
+  // What lies `share` (0 to 1) of the way between two frames of an aligned take, in stored colours.
+  void show_between(const GeometryImageRenderer::Numbered& from, const GeometryImageRenderer::Numbered& to,
+                    double share);
   // Into the bound framebuffer. `performer`: over which point of the floor they are. `coarser`: levels of detail below
   // the frame's own, of stored colours.
   void draw(const Viewpoint& viewpoint, const Eigen::Vector3d& performer, const DrawOptions& options, int coarser = 0);

@@ -16,6 +16,23 @@ in vec2 v_texel;
 vec3 colour() { return texture(u_colours, v_texel).rgb; }
 )";
 
+constexpr std::string_view kAtBetween = R"(
+uniform highp sampler2D u_positions;
+uniform highp sampler2D u_next_positions;
+uniform float u_share;
+vec3 at(ivec2 texel) {
+  return mix(texelFetch(u_positions, texel, 0).xyz, texelFetch(u_next_positions, texel, 0).xyz, u_share);
+}
+)";
+
+constexpr std::string_view kFragmentBetween = R"(
+uniform sampler2D u_colours;
+uniform sampler2D u_next_colours;
+uniform float u_share;
+in vec2 v_texel;
+vec3 colour() { return mix(texture(u_colours, v_texel).rgb, texture(u_next_colours, v_texel).rgb, u_share); }
+)";
+
 void check_image(const recon::GeometryImage& image) {
   constexpr int kFinestLevel = 12;  // textures of 4097 texels a side
   if (image.level < 1 || image.level > kFinestLevel || image.colour_level < 1 || image.colour_level > kFinestLevel)
@@ -44,12 +61,46 @@ bool turns_inwards(const recon::GeometryImage& image) {
   return volume < 0.0F;
 }
 
-GeometryImageRenderer::GeometryImageRenderer() : program_(lattice_vertex_body(kAt), kFragment) {}
+GeometryImageRenderer::GeometryImageRenderer()
+    : program_(lattice_vertex_body(kAt), kFragment), between_(lattice_vertex_body(kAtBetween), kFragmentBetween) {}
 
 void GeometryImageRenderer::upload(const recon::GeometryImage& image) {
   check_image(image);
-  current_ = (current_ + 1) % slots_.size();
-  Slot& slot = slots_[current_];
+  current_ = next_ = free_slot(next_);
+  share_ = 0.0F;
+  fill(slots_[current_], image);
+  slots_[current_].frame.reset();
+}
+
+void GeometryImageRenderer::upload_between(const Numbered& from, const Numbered& to, double share) {
+  check_image(from.image);
+  check_image(to.image);
+  if (from.image.level != to.image.level || from.image.colour_level != to.image.colour_level)
+    throw InvalidInput("two geometry images of unlike levels have nothing between them");
+  const auto first = slot_of(from, kSlots);
+  const auto second = slot_of(to, first);
+  current_ = first;
+  next_ = second;
+  share_ = static_cast<float>(share);
+}
+
+std::size_t GeometryImageRenderer::slot_of(const Numbered& numbered, std::size_t taken) {
+  for (std::size_t i = 0; i < kSlots; ++i)
+    if (slots_[i].level == numbered.image.level && slots_[i].frame == numbered.frame) return i;
+  const auto free = free_slot(taken);
+  fill(slots_[free], numbered.image);
+  slots_[free].frame = numbered.frame;
+  return free;
+}
+
+// If possible none that is drawn now.
+std::size_t GeometryImageRenderer::free_slot(std::size_t taken) const {
+  for (std::size_t i = 0; i < kSlots; ++i)
+    if (i != taken && i != current_ && i != next_) return i;
+  return (taken + 1) % kSlots;
+}
+
+void GeometryImageRenderer::fill(Slot& slot, const recon::GeometryImage& image) {
   if (slot.level != image.level || slot.colour_level != image.colour_level) {
     slot.positions = lattice_texture(GL_RGB32F, image.side(), GL_NEAREST);
     slot.colours = lattice_texture(GL_RGB8, image.colour_side(), GL_LINEAR);
@@ -64,18 +115,29 @@ void GeometryImageRenderer::upload(const recon::GeometryImage& image) {
   slot.box = box.cast<double>();
 }
 
-void GeometryImageRenderer::draw(const Viewpoint& viewpoint, const DrawOptions& options, int level) {
-  const Slot& slot = slots_[current_];
-  if (slot.level == 0) return;
-  const int drawn = level > 0 ? std::min(level, slot.level) : slot.level;
-  const GlProgram& program = program_.use(viewpoint, depth_range(viewpoint, slot.box), options);
-  if (slot.inside_out) glFrontFace(viewpoint.mirrored() ? GL_CCW : GL_CW);
-  glActiveTexture(GL_TEXTURE1);
-  glBindTexture(GL_TEXTURE_2D, slot.colours.get());
-  glActiveTexture(GL_TEXTURE0);
+void GeometryImageRenderer::bind(const GlProgram& program, const Slot& slot, GLint unit, const char* positions,
+                                 const char* colours) {
+  glActiveTexture(static_cast<GLenum>(GL_TEXTURE0 + unit));
   glBindTexture(GL_TEXTURE_2D, slot.positions.get());
-  glUniform1i(uniform(program, "u_positions"), 0);
-  glUniform1i(uniform(program, "u_colours"), 1);
+  glUniform1i(uniform(program, positions), unit);
+  glActiveTexture(static_cast<GLenum>(GL_TEXTURE0 + unit + 1));
+  glBindTexture(GL_TEXTURE_2D, slot.colours.get());
+  glUniform1i(uniform(program, colours), unit + 1);
+}
+
+void GeometryImageRenderer::draw(const Viewpoint& viewpoint, const DrawOptions& options, int level) {
+  const Slot &slot = slots_[current_], &next = slots_[next_];
+  if (slot.level == 0) return;
+  const bool is_between = share_ > 0.0F;
+  const int drawn = level > 0 ? std::min(level, slot.level) : slot.level;
+  const GlProgram& program =
+      (is_between ? between_ : program_).use(viewpoint, depth_range(viewpoint, slot.box.merged(next.box)), options);
+  if (slot.inside_out) glFrontFace(viewpoint.mirrored() ? GL_CCW : GL_CW);
+  bind(program, slot, 0, "u_positions", "u_colours");
+  if (is_between) {
+    bind(program, next, 2, "u_next_positions", "u_next_colours");
+    glUniform1f(uniform(program, "u_share"), share_);
+  }
   set_lattice(program, drawn, slot.level, slot.colour_level);
   strips_.draw(drawn);
 }

@@ -20,20 +20,35 @@ class GeometryImageRenderer {
   // Takes the image's place among three sets of textures, so that a frame still being drawn is not waited for.
   // Throws InvalidInput if positions or colours are not of the image's levels.
   void upload(const recon::GeometryImage& image);
-  // The image last uploaded, into the bound framebuffer; `level` 0 is its own, else coarser.
+  // Two frames of an aligned sequence, by their numbers, to be drawn `share` (0 to 1) of the way from one to the other.
+  // A frame that is still there is not uploaded again. Throws InvalidInput also where their levels differ.
+  struct Numbered {
+    const recon::GeometryImage& image;
+    int frame;
+  };
+  void upload_between(const Numbered& from, const Numbered& to, double share);
+  // What was last uploaded, into the bound framebuffer; `level` 0 is its own, else coarser.
   void draw(const Viewpoint& viewpoint, const DrawOptions& options = {}, int level = 0);
 
  private:
   struct Slot {
     GlTexture positions, colours;
     int level = 0, colour_level = 0;  // 0: no storage yet
+    std::optional<int> frame;         // none: of no sequence
     bool inside_out = false;          // the lattice's rows and columns turn the other way
     Eigen::AlignedBox3d box;
   };
 
-  ViewProgram program_;
-  std::array<Slot, 3> slots_;
-  std::size_t current_ = 0;
+  static constexpr std::size_t kSlots = 3;
+  void fill(Slot& slot, const recon::GeometryImage& image);
+  std::size_t slot_of(const Numbered& numbered, std::size_t taken);
+  std::size_t free_slot(std::size_t taken) const;
+  void bind(const GlProgram& program, const Slot& slot, GLint unit, const char* positions, const char* colours);
+
+  ViewProgram program_, between_;
+  std::array<Slot, kSlots> slots_;
+  std::size_t current_ = 0, next_ = 0;
+  float share_ = 0.0F;  // of the next one
   LatticeStrips strips_;
 };
 

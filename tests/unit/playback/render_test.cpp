@@ -9,6 +9,7 @@
 #include "playback/render/geometry_image_renderer.h"
 #include "playback/render/mesh_renderer.h"
 #include "playback/viewpoint.h"
+#include "recon/video/geometry_video.h"
 #include "simulator/studio/camera_layout.h"
 #include "tests/unit/round_geometry_image.h"
 
@@ -216,6 +217,50 @@ TEST_F(Render, TexturesOfThreeFramesDoNotMix) {
     EXPECT_EQ(picture.at<cv::Vec4b>(32, 32), cv::Vec4b(static_cast<std::uint8_t>(30 * i), 200, 10, 255));
     EXPECT_EQ(picture.at<cv::Vec4b>(0, 0), cv::Vec4b(1, 2, 3, 255));
   }
+}
+
+// A ball that grows, moves and reddens, played at a third of its rate, with a jump back at the end.
+TEST_F(Render, DrawsWhatLiesBetweenTwoFrames) {
+  const RenderTarget target(160, 120);
+  const auto camera = simulator::look_at({3.0, 0.0, 1.0}, {0.0, 0.0, 1.0}, 160, 120, 90.0, 90.0);
+  std::vector<GeometryImage> frames;
+  for (int i = 0; i < 5; ++i) {
+    const float f = static_cast<float>(i);
+    frames.push_back(test::round_geometry_image({.level = 5,
+                                                 .colour_level = 5,
+                                                 .centre = {0.0F, 0.1F * f - 0.2F, 1.0F},
+                                                 .radii = Eigen::Vector3f::Constant(0.3F + 0.04F * f)}));
+    for (auto& colour : frames.back().colours) colour = {static_cast<std::uint8_t>(50 * i), 120, 10};
+  }
+  const auto picture_of = [&](GeometryImageRenderer& renderer) {
+    target.bind();
+    clear(std::nullopt);
+    renderer.draw(viewpoint_of(camera));
+    return target.read_rgba();
+  };
+  GeometryImageRenderer between, blended;
+  for (const int third : {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 1, 11}) {
+    const auto frame = static_cast<std::size_t>(third / 3);
+    const double share = third % 3 / 3.0;
+    between.upload_between({frames[frame], third / 3}, {frames[frame + 1], third / 3 + 1}, share);
+    auto expected = frames[frame];
+    recon::blend(expected, frames[frame + 1], static_cast<float>(share));
+    blended.upload(expected);
+    const cv::Mat shown = picture_of(between), right = picture_of(blended);
+    cv::Mat off;
+    cv::absdiff(shown, right, off);
+    cv::Mat wrong;
+    cv::inRange(off, cv::Scalar::all(0), cv::Scalar::all(1), wrong);
+    EXPECT_LE(cv::countNonZero(wrong == 0), 12) << third;  // pixels of the rim that rounding decides
+    EXPECT_GT(disc_of(shown).area, 200.0);
+  }
+}
+
+TEST_F(Render, RefusesToDrawBetweenUnlikeLevels) {
+  const GeometryImage fine = test::round_geometry_image({.level = 5}),
+                      coarse = test::round_geometry_image({.level = 4});
+  GeometryImageRenderer renderer;
+  EXPECT_THROW(renderer.upload_between({fine, 0}, {coarse, 1}, 0.5), InvalidInput);
 }
 
 TEST_F(Render, RefusesWhatIsNotWhole) {
