@@ -57,8 +57,10 @@ recon::TriangleMesh coloured(const recon::TriangleMesh& mesh, const std::vector<
   return copy;
 }
 
-MarkerLabel label_at(const recon::TriangleMesh& mesh, std::uint32_t triangle) {
-  return {.place = recon::middle_of(mesh, triangle), .normal = outwards(mesh, triangle)};
+MarkerLabel label_at(const recon::TriangleMesh& mesh, std::uint32_t triangle, MarkerLabel look) {
+  look.place = recon::middle_of(mesh, triangle);
+  look.normal = outwards(mesh, triangle);
+  return look;
 }
 
 }  // namespace
@@ -82,8 +84,6 @@ recon::Colour residual_colour(float distance) {
   return residual_colours()[static_cast<std::size_t>(share * 255.0)];
 }
 
-MarkerView::MarkerView() = default;
-
 void MarkerView::upload(const Preview& preview) {
   if (preview.of.residuals) {
     left_.body.upload(coloured(preview.body, preview.body_residuals));
@@ -96,27 +96,18 @@ void MarkerView::upload(const Preview& preview) {
 
 void MarkerView::set_labels(const MarkerDesk& desk) {
   std::vector<MarkerLabel> left, right;
-  const auto add = [&](std::vector<MarkerLabel>& side, const recon::TriangleMesh& mesh, std::uint32_t triangle,
-                       const MarkerLabel& look) {
-    auto label = label_at(mesh, triangle);
-    label.colour = look.colour;
-    label.text = look.text;
-    label.selected = look.selected;
-    label.goes_along = look.goes_along;
-    side.push_back(label);
-  };
   const auto *selected = desk.editor().selected(), *mirror = desk.editor().mirror_of_selected();
   for (const auto& marker : desk.editor().markers().pairs) {
     const MarkerLabel look{.colour = segment_colour(recon::segment_of_triangle(marker.template_triangle)),
                            .text = std::to_string(marker.number),
                            .selected = selected && selected->number == marker.number,
                            .goes_along = mirror && mirror->number == marker.number};
-    add(left, shown_->body, marker.template_triangle, look);
-    add(right, shown_->scan, desk.editor().on_prepared(marker), look);
+    left.push_back(label_at(shown_->body, marker.template_triangle, look));
+    right.push_back(label_at(shown_->scan, desk.editor().on_prepared(marker), look));
   }
   const MarkerLabel waiting{.text = "?", .selected = true};
-  if (desk.pending().body) add(left, shown_->body, *desk.pending().body, waiting);
-  if (desk.pending().scan) add(right, shown_->scan, *desk.pending().scan, waiting);
+  if (desk.pending().body) left.push_back(label_at(shown_->body, *desk.pending().body, waiting));
+  if (desk.pending().scan) right.push_back(label_at(shown_->scan, *desk.pending().scan, waiting));
   left_.labels.set(std::move(left));
   right_.labels.set(std::move(right));
 }
@@ -148,7 +139,7 @@ void MarkerView::draw_overlays(const MarkerDesk& desk, const MarkerLayout& layou
   name("template", MarkerSide::body);
   name("scan", MarkerSide::scan);
   if (shown_->of.residuals) {
-    const auto card = scale_card();
+    static const auto card = scale_card();
     overlay_.draw(card, width - card.cols - kMargin, below - card.rows - kMargin, width, height);
   }
   overlay_.draw(text_card(lines), kMargin, kMargin, width, height);

@@ -19,7 +19,6 @@ recon::Colour residual_colour(float distance);
 
 class MarkerView {
  public:
-  MarkerView();
   // Makes `preview` what is drawn, with the desk's markers on it.
   void show(std::shared_ptr<const Preview> preview, const MarkerDesk& desk);
   // Into the bound framebuffer, all of it.

@@ -149,11 +149,11 @@ EditMarkersReport edit_markers(const recon::PreparedScan& scan, recon::MarkerEdi
       clock.end(false);
     }
   };
-  report.lost_contexts = with_display({.window = {.title = "rotunda: markers " + keeper.file().filename().string(),
-                                                  .width = options.width,
-                                                  .height = options.height,
-                                                  .fullscreen = options.fullscreen}},
-                                      edit_in);
+  with_display({.window = {.title = "rotunda: markers " + keeper.file().filename().string(),
+                           .width = options.width,
+                           .height = options.height,
+                           .fullscreen = options.fullscreen}},
+               edit_in);
   report.seconds = clock.seconds();
   report.frame = desk.frame();
   return report;

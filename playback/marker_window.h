@@ -22,7 +22,6 @@ struct EditMarkersReport {
   long pictures = 0;
   double seconds = 0.0;
   std::optional<int> frame;  // of the motion, at the end; nothing: as scanned
-  int lost_contexts = 0;     // of the graphics driver: everything was made anew
 };
 
 // Returns when the window is closed, the operator quits, or it is asked to stop; what was not saved is kept (`keeper`).

@@ -42,6 +42,8 @@ using GlProgram = GlName<delete_program>;
 GlBuffer make_buffer();
 GlTexture make_texture();
 GlVertexArray make_vertex_array();
+// Of a picture (CV_8UC4, red first, continuous) as it is, without filtering; bound to unit 0.
+GlTexture make_picture(const cv::Mat& rgba);
 
 // Compiles and links; throws DeviceError with the driver's log.
 GlProgram make_program(std::string_view vertex_source, std::string_view fragment_source);

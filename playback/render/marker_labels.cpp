@@ -65,16 +65,6 @@ void paint(cv::Mat cell, const MarkerLabel& label) {
               label.selected ? cv::Scalar(255, 235, 60, 255) : light, 1);
 }
 
-void upload(const GlTexture& texture, const cv::Mat& picture) {
-  glActiveTexture(GL_TEXTURE0);
-  glBindTexture(GL_TEXTURE_2D, texture.get());
-  glTexStorage2D(GL_TEXTURE_2D, 1, GL_RGBA8, picture.cols, picture.rows);
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
-  glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, picture.cols, picture.rows, GL_RGBA, GL_UNSIGNED_BYTE, picture.data);
-}
-
 template <class T>
 void upload(GLuint location, const GlBuffer& buffer, const std::vector<T>& items) {
   glBindBuffer(GL_ARRAY_BUFFER, buffer.get());
@@ -134,8 +124,7 @@ void MarkerLabels::paint_cells() {
     paint(cells(cv::Rect(i % kColumns * kCellWidth, i / kColumns * kCellHeight, kCellWidth, kCellHeight)), label);
     ++i;
   }
-  cells_ = make_texture();
-  upload(cells_, cells);
+  cells_ = make_picture(cells);
 }
 
 // Painting text costs more than all else: it is done when labels look otherwise, not when they move.

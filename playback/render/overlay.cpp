@@ -30,14 +30,7 @@ Overlay::Overlay() : program_(make_program(kVertex, kFragment)), vertices_(make_
 
 void Overlay::draw(const cv::Mat& rgba, int x, int y, int width, int height) {
   if (rgba.empty() || width < 1 || height < 1) return;
-  texture_ = make_texture();
-  glActiveTexture(GL_TEXTURE0);
-  glBindTexture(GL_TEXTURE_2D, texture_.get());
-  glTexStorage2D(GL_TEXTURE_2D, 1, GL_RGBA8, rgba.cols, rgba.rows);
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
-  glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, rgba.cols, rgba.rows, GL_RGBA, GL_UNSIGNED_BYTE, rgba.data);
+  texture_ = make_picture(rgba);
   glUseProgram(program_.get());
   const auto on_device = [](int pixel, int size) {
     return 2.0F * static_cast<float>(pixel) / static_cast<float>(size) - 1.0F;

@@ -62,15 +62,6 @@ std::uint32_t component(std::uint32_t set, std::uint32_t seed, const std::array<
 // Marks of samples while the solid is taken apart and grown anew.
 enum class Mark : std::uint8_t { Outside, Body, Queued, Grown, Air };
 
-template <class Visit>
-void for_each_neighbour(const SignedGrid& grid, VoxelId id, Visit visit) {
-  for (int i = 0; i < 27; ++i) {
-    if (i == kSelf) continue;
-    const auto n = grid.neighbour(id, dx_of(i), dy_of(i), dz_of(i));
-    if (n != kNoVoxel) visit(n);
-  }
-}
-
 std::vector<VoxelId> inside_of(const SignedGrid& grid) {
   std::vector<VoxelId> body;
   for (VoxelId id = 0; id < grid.voxel_count(); ++id)
@@ -131,8 +122,8 @@ std::size_t grow(const SignedGrid& grid, std::vector<Mark>& marks, VoxelId seed)
   const auto accept = [&](VoxelId id) {
     marks[id] = Mark::Grown;
     ++grown;
-    for_each_neighbour(grid, id, [&](VoxelId n) {
-      if (marks[n] != Mark::Body) return;
+    grid.for_each_neighbour(id, [&](VoxelId n) {
+      if (n == kNoVoxel || marks[n] != Mark::Body) return;
       marks[n] = Mark::Queued;
       queue.emplace(grid.value(n), n);
     });

@@ -16,12 +16,6 @@ namespace {
 using Piece = std::vector<VoxelId>;
 using Places = std::vector<Eigen::Vector3i>;  // in samples
 
-template <class Visit>
-void for_each_neighbour(const SignedGrid& grid, VoxelId id, Visit visit) {
-  for (int i = 0; i < 27; ++i)
-    if (i != 13) visit(grid.neighbour(id, i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1));
-}
-
 std::vector<Piece> pieces_of(const SignedGrid& grid) {
   std::vector<char> open(grid.voxel_count(), 0);
   for (VoxelId id = 0; id < open.size(); ++id) open[id] = grid.value(id) > 0.0F ? 1 : 0;
@@ -31,7 +25,7 @@ std::vector<Piece> pieces_of(const SignedGrid& grid) {
     Piece piece{id};
     open[id] = 0;
     for (std::size_t i = 0; i < piece.size(); ++i)
-      for_each_neighbour(grid, piece[i], [&](VoxelId n) {
+      grid.for_each_neighbour(piece[i], [&](VoxelId n) {
         if (n == kNoVoxel || open[n] == 0) return;
         open[n] = 0;
         piece.push_back(n);
@@ -64,38 +58,27 @@ Places outermost(const SignedGrid& grid, const Piece& piece) {
   Places places;
   for (const auto id : piece) {
     bool inner = true;
-    for_each_neighbour(grid, id, [&](VoxelId n) { inner = inner && n != kNoVoxel && grid.value(n) > 0.0F; });
+    grid.for_each_neighbour(id, [&](VoxelId n) { inner = inner && n != kNoVoxel && grid.value(n) > 0.0F; });
     if (!inner) places.push_back(grid.coordinates(id));
   }
   return places;
 }
 
-struct PlacesOfTree {
-  const Places& places;
-  std::size_t kdtree_get_point_count() const { return places.size(); }
-  float kdtree_get_pt(std::size_t i, std::size_t axis) const {
-    return static_cast<float>(places[i][static_cast<Eigen::Index>(axis)]);
-  }
-  template <class Box>
-  bool kdtree_get_bbox(Box&) const {
-    return false;
-  }
-};
-
 // The two places, one of each, that are nearest to each other; of equals the first.
 std::pair<Eigen::Vector3i, Eigen::Vector3i> nearest_pair(const Places& from, const Places& to) {
-  using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, PlacesOfTree>, PlacesOfTree, 3>;
-  const PlacesOfTree source{to};
-  Tree tree(3, source);
-  std::tuple<float, std::size_t, std::uint32_t> best{std::numeric_limits<float>::max(), 0, 0};
+  using Table = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
+  Table table(static_cast<Eigen::Index>(to.size()), 3);
+  for (Eigen::Index i = 0; i < table.rows(); ++i) table.row(i) = to[static_cast<std::size_t>(i)].cast<float>();
+  const nanoflann::KDTreeEigenMatrixAdaptor<Table, 3, nanoflann::metric_L2_Simple> tree(3, table);
+  std::tuple<float, std::size_t, Eigen::Index> best{std::numeric_limits<float>::max(), 0, 0};
   for (std::size_t i = 0; i < from.size(); ++i) {
     const Eigen::Vector3f query = from[i].cast<float>();
-    std::uint32_t found = 0;
+    Eigen::Index found = 0;
     float squared = 0.0F;
-    tree.knnSearch(query.data(), 1, &found, &squared);
+    tree.query(query.data(), 1, &found, &squared);
     best = std::min(best, {squared, i, found});
   }
-  return {from[std::get<1>(best)], to[std::get<2>(best)]};
+  return {from[std::get<1>(best)], to[static_cast<std::size_t>(std::get<2>(best))]};
 }
 
 // From one place to another by steps along the axes, ever nearest to the straight line.

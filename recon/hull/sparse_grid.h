@@ -41,6 +41,12 @@ class SignedGrid {
   VoxelId find(const Eigen::Vector3i& coordinates) const;  // kNoVoxel where nothing is stored
   // The sample one step away, each of dx, dy, dz in -1, 0, 1; kNoVoxel where nothing is stored.
   VoxelId neighbour(VoxelId id, int dx, int dy, int dz) const;
+  // The 26 samples around, kNoVoxel where nothing is stored.
+  template <class Visit>
+  void for_each_neighbour(VoxelId id, const Visit& visit) const {
+    for (int i = 0; i < 27; ++i)
+      if (i != 13) visit(neighbour(id, i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1));
+  }
   float sample(const Eigen::Vector3d& point_in_world) const;  // trilinear
 
  private:

@@ -64,10 +64,7 @@ TriangleMesh read_obj(const std::filesystem::path& file) {
 }  // namespace
 
 TriangleMesh read_mesh(const std::filesystem::path& file) {
-  auto extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension == ".obj" ? read_obj(file) : read_ply(file);
+  return lower_extension(file) == ".obj" ? read_obj(file) : read_ply(file);
 }
 
 TriangleMesh read_ply(const std::filesystem::path& file) {

@@ -1,5 +1,6 @@
 #include "recon/mesh/polygon_reader.h"
 
+#include <cctype>
 #include <cerrno>
 #include <cmath>
 #include <cstdlib>
@@ -44,6 +45,12 @@ void copy_vertices(const Polygons& from, const OpenMesh::IO::Options& found, Tri
     }
     if (found.vertex_has_color()) mesh.colours.push_back({from.color(v)[0], from.color(v)[1], from.color(v)[2]});
   }
+}
+
+std::string lower_extension(const std::filesystem::path& file) {
+  auto extension = file.extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return extension;
 }
 
 std::ifstream open_to_read(const std::filesystem::path& file) {

@@ -63,6 +63,8 @@ class PolygonCollector : public OpenMesh::IO::ImporterT<Polygons> {
 // OpenMesh has one reader and one writer a format, and they keep what they are at.
 std::mutex& openmesh_mutex();
 
+std::string lower_extension(const std::filesystem::path& file);  // ".ply", whatever its case
+
 // Throws InvalidInput if there is no such file, std::system_error if it cannot be opened.
 std::ifstream open_to_read(const std::filesystem::path& file);
 

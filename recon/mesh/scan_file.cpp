@@ -69,9 +69,7 @@ ScanFile read_scan(const fs::path& file) {
   if (!fs::exists(file)) throw InvalidInput(file.string() + ": there is no such file");
   if (fs::file_size(file) > kLargestScan)
     throw InvalidInput(fmt::format("{}: {} bytes; at most 4 GiB is read", file.string(), fs::file_size(file)));
-  auto extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const auto extension = lower_extension(file);
   if (is_gltf(file, extension)) return read_gltf_scan(file);
   return extension == ".obj" ? read_obj_scan(file) : read_ply_scan(file);
 }

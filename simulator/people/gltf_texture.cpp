@@ -5,6 +5,7 @@
 #include <map>
 #include <opencv2/imgproc.hpp>
 
+#include "capture/srgb.h"
 #include "simulator/people/texture_atlas.h"
 
 namespace rotunda::simulator {
@@ -17,20 +18,13 @@ using Eigen::Vector3f;
 constexpr int kPaintedTexels = 6;  // along an edge, of triangles with colours at their corners
 constexpr int kMostTiles = 8;      // of a picture that repeats within a triangle
 
-double linear_of(double srgb) {
-  return srgb <= 0.04045 ? srgb / 12.92 : std::pow((srgb + 0.055) / 1.055, 2.4);
-}
-double srgb_of(double linear) {
-  return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1.0 / 2.4) - 0.055;
-}
-
 cv::Mat tinted(const cv::Mat& picture, const Vector3f& factor) {
   if (factor == Vector3f::Ones()) return picture;
   cv::Mat table(1, 256, CV_8UC3), result;
   for (int i = 0; i < 256; ++i)
     for (int c = 0; c < 3; ++c)
-      table.at<cv::Vec3b>(i)[c] =
-          cv::saturate_cast<uchar>(255.0 * srgb_of(linear_of(i / 255.0) * static_cast<double>(factor[c])));
+      table.at<cv::Vec3b>(i)[c] = capture::srgb8_of(
+          static_cast<double>(capture::linear_table()[static_cast<std::size_t>(i)]) * static_cast<double>(factor[c]));
   cv::LUT(picture, table, result);
   return result;
 }
@@ -75,7 +69,7 @@ Vector3d sample(const cv::Mat& picture, const Vector2f& uv) {
     return std::clamp(static_cast<int>((at - std::floor(at)) * static_cast<float>(size)), 0, size - 1);
   };
   const auto& found = picture.at<cv::Vec3b>(texel(uv.y(), picture.rows), texel(uv.x(), picture.cols));
-  return {linear_of(found[0] / 255.0), linear_of(found[1] / 255.0), linear_of(found[2] / 255.0)};
+  return capture::linear_of(found);
 }
 
 Vector3d barycentric(const Vector3d& a, const Vector3d& b, const Vector3d& c, const Vector3d& p) {
@@ -105,7 +99,7 @@ SurfaceTexture painted(const recon::GltfCharacter& character, const recon::Chara
     linear = linear.cwiseProduct(material.factor.cast<double>()).cwiseMax(0.0);
     if (material.picture >= 0 && !part.uv.empty())
       linear = linear.cwiseProduct(sample(character.pictures[static_cast<std::size_t>(material.picture)], uv));
-    return Vector3d(linear.unaryExpr(&srgb_of));
+    return Vector3d(linear.unaryExpr(&capture::srgb_of_linear));
   });
 }
 

@@ -26,8 +26,7 @@ using namespace std::chrono_literals;
 
 class LostContext : public ::testing::Test {
  protected:
-  void SetUp() override {
-    if (screen_.display().empty()) GTEST_SKIP() << "no Xvfb here: install the package xvfb";
+  LostContext() {
     ::setenv("DISPLAY", screen_.display().c_str(), 1);
     XSetErrorHandler([](::Display*, XErrorEvent*) { return 0; });  // a window may go while it is looked at
   }
