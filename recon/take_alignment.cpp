@@ -135,8 +135,8 @@ LoadSurface TakeAlignment::surfaces_from(std::size_t first) const {
 // None where nobody is found. With a reference its measures of the person hold: loose clothes would make another body
 // of the same person in every take.
 std::optional<BodyTrack> TakeAlignment::found_body() {
-  MotionCaptureOptions options{
-      .take = options_.take, .calibration = options_.calibration, .frames = std::pair(first_, end_)};
+  TakeBodyOptions options{
+      .take = options_.take, .calibration = options_.calibration, .frames = {first_, end_}, .body = {}};
   if (options_.reference) options.body = kept_body_of(*options_.reference);
   try {
     return body_of_take(options, clock_, stop_);

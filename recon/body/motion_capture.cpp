@@ -13,9 +13,7 @@
 #include <memory>
 
 #include "config/errors.h"
-#include "recon/frame_reconstruction.h"
-#include "recon/take_plates.h"
-#include "recon/take_studio.h"
+#include "recon/body/body_start.h"
 
 namespace rotunda::recon {
 namespace {
@@ -34,8 +32,8 @@ double process_cpu_s() {
 
 class MotionCapture {
  public:
-  MotionCapture(const MotionCaptureOptions& options, const std::function<void(std::size_t, std::size_t)>& tell,
-                std::stop_token stop);
+  MotionCapture(OutlineSource& source, const MotionCaptureOptions& options,
+                const std::function<void(std::size_t, std::size_t)>& tell, std::stop_token stop);
   MotionCaptureReport run();
 
  private:
@@ -49,8 +47,6 @@ class MotionCapture {
   };
 
   void choose_frames();
-  FrameOutlines outlines(std::size_t frame);
-  FrameViews keyed(std::size_t frame);
   Start find_start();
   [[noreturn]] void refuse_start(std::size_t looked, std::size_t silhouettes, std::size_t upright) const;
   using UseOfFrame = std::function<void(const std::shared_ptr<const Work>&)>;
@@ -59,65 +55,28 @@ class MotionCapture {
   void look_back(const Start& start, const PoseFit& recovered, const std::deque<std::shared_ptr<const Work>>& passed);
   void follow(const Start& start, int direction);
 
+  OutlineSource& source_;
   const MotionCaptureOptions& options_;
   const std::function<void(std::size_t, std::size_t)>& tell_;
   std::stop_token stop_;
-  capture::TakeReader take_;
-  TakeStudio studio_;
   std::size_t first_ = 0, end_ = 0, done_ = 0;
   std::map<std::size_t, std::shared_ptr<const Work>> kept_;  // about the start, a megabyte a frame
-  StageClock clock_;
+  StageClock& clock_;
   MotionCaptureReport report_;
 };
 
-MotionCapture::MotionCapture(const MotionCaptureOptions& options,
+MotionCapture::MotionCapture(OutlineSource& source, const MotionCaptureOptions& options,
                              const std::function<void(std::size_t, std::size_t)>& tell, std::stop_token stop)
-    : options_(options),
-      tell_(tell),
-      stop_(std::move(stop)),
-      take_(options.take),
-      studio_(read_take_studio(take_, options.calibration)) {
-  if (studio_.views.cameras.size() < 2)
-    throw InvalidInput(
-        fmt::format("take {} has one camera; motion capture needs silhouettes from two or more", take_.info().name));
+    : source_(source), options_(options), tell_(tell), stop_(std::move(stop)), clock_(source.clock()) {
   choose_frames();
 }
 
 void MotionCapture::choose_frames() {
-  const auto count = take_.frame_set_count();
+  const auto count = source_.frame_count();
   std::tie(first_, end_) = options_.frames.value_or(std::pair<std::size_t, std::size_t>{0, count});
   end_ = std::min(end_, count);
   if (first_ >= end_)
-    throw InvalidInput(
-        fmt::format("take {} has the frames 0:{}; none of them are asked for", take_.info().name, count));
-}
-
-// Silhouettes alone do without colours: the live key reads the camera's own pixels.
-FrameViews MotionCapture::keyed(std::size_t frame) {
-  const auto set = clock_.run("read", [&] { return take_.read(frame); });
-  const auto given = given_mattes(take_, frame);
-  const bool quick = std::all_of(studio_.views.live_keys.begin(), studio_.views.live_keys.end(),
-                                 [](const auto& key) { return key.has_value(); }) &&
-                     !studio_.views.live_keys.empty() &&
-                     std::all_of(given.begin(), given.end(), [](const auto& matte) { return matte.alpha.empty(); });
-  if (!quick) return key_frame(set, studio_.views, given, clock_);
-  FrameViews views;
-  for (std::size_t i = 0; i < set.slots.size(); ++i) {
-    if (!set.slots[i].frame) continue;
-    views.cameras.push_back(studio_.views.cameras[i]);
-    views.mattes.push_back(clock_.run("key", [&] { return (*studio_.views.live_keys[i])(set.slots[i].frame->image); }));
-  }
-  return views;
-}
-
-FrameOutlines MotionCapture::outlines(std::size_t frame) {
-  const auto views = keyed(frame);
-  return clock_.run("outline", [&] {
-    FrameOutlines result;
-    for (std::size_t i = 0; i < views.cameras.size(); ++i)
-      result.push_back({views.cameras[i], silhouette_outline(views.mattes[i])});
-    return result;
-  });
+    throw InvalidInput(fmt::format("{} has the frames 0:{}; none of them are asked for", source_.name(), count));
 }
 
 MotionCapture::Start MotionCapture::find_start() {
@@ -129,7 +88,7 @@ MotionCapture::Start MotionCapture::find_start() {
     // From the middle outwards, so that both ways from the start are short.
     const std::size_t place = count / 2 + (i % 2 == 0 ? i / 2 : count - (i + 1) / 2);
     const std::size_t frame = first_ + (place % count) * (end_ - first_) / count;
-    const auto seen = outlines(frame);
+    const auto seen = source_.outlines(frame);
     const auto extent = body_extent(seen);
     if (!extent) continue;
     ++silhouettes;
@@ -147,26 +106,24 @@ MotionCapture::Start MotionCapture::find_start() {
 }
 
 void MotionCapture::refuse_start(std::size_t looked, std::size_t silhouettes, std::size_t upright) const {
-  const auto& name = take_.info().name;
   if (silhouettes == 0)
     throw InvalidInput(
-        fmt::format("take {}: in none of {} frames do two silhouettes agree on a person; look at the mattes with "
-                    "`rotunda recon {} --frames 0:1 --mattes DIR`, and check the calibration",
-                    name, looked, name));
+        fmt::format("{}: in none of {} frames do two silhouettes agree on a person; {}, and check the calibration",
+                    source_.name(), looked, source_.where_to_look()));
   if (upright == 0)
-    throw InvalidInput(
-        fmt::format("take {}: nobody stands upright, 0.8 to 2.4 m tall, in any of {} frames; choose a range with "
-                    "--frames in which the person stands or walks, or check that the calibration is in metres, z up",
-                    name, looked));
-  if (options_.body)
     throw InvalidInput(fmt::format(
-        "take {}: who stands upright in {} of {} frames has not the measures of the person asked for ({:.2f} m "
-        "tall): is it somebody else?",
-        name, upright, looked, height_of(options_.body->measures)));
+        "{}: nobody stands upright, 0.8 to 2.4 m tall, in any of {} frames; choose a range with --frames in "
+        "which the person stands or walks, or check that the calibration is in metres, z up",
+        source_.name(), looked));
+  if (options_.body)
+    throw InvalidInput(
+        fmt::format("{}: who stands upright in {} of {} frames has not the measures of the person asked for ({:.2f} m "
+                    "tall): is it somebody else?",
+                    source_.name(), upright, looked, height_of(options_.body->measures)));
   throw InvalidInput(fmt::format(
-      "take {}: what stands upright in {} of {} frames is like no person of two arms and two legs; choose other frames "
-      "with --frames, or look at the mattes with `rotunda recon {} --frames 0:1 --mattes DIR`",
-      name, upright, looked, name));
+      "{}: what stands upright in {} of {} frames is like no person of two arms and two legs; choose other frames with "
+      "--frames, or {}",
+      source_.name(), upright, looked, source_.where_to_look()));
 }
 
 // Silhouettes are made ahead on all threads; `use` gets them one after the other, in the order asked for.
@@ -182,7 +139,7 @@ void MotionCapture::ahead(std::size_t from, std::size_t count, int direction, co
   };
   const auto make = [&](std::size_t frame) {
     const auto kept = kept_.find(frame);
-    return kept != kept_.end() ? kept->second : std::make_shared<const Work>(Work{frame, outlines(frame)});
+    return kept != kept_.end() ? kept->second : std::make_shared<const Work>(Work{frame, source_.outlines(frame)});
   };
   tbb::parallel_pipeline(
       static_cast<std::size_t>(tbb::info::default_concurrency()) + 1,
@@ -214,7 +171,7 @@ void MotionCapture::solve_template(Start& start) {
   walk(start.frame - 1, start.frame - first, -1);
   if (frames.empty() || stop_.stop_requested()) return;
   auto solved = clock_.run("template", [&] { return fit_body(start.found.body, frames, poses, 8); });
-  const auto seen = outlines(start.frame);
+  const auto seen = source_.outlines(start.frame);
   const auto nearest = fit_pose(solved.body, seen, start.found.fit.pose, {.iterations = 12});
   start.found = {std::move(solved.body), nearest};
 }
@@ -256,14 +213,10 @@ void MotionCapture::follow(const Start& start, int direction) {
 MotionCaptureReport MotionCapture::run() {
   const auto begun = std::chrono::steady_clock::now();
   const double cpu_begun = process_cpu_s();
-  clock_.run("plates", [&] {
-    learn_missing_plates(take_, studio_.views);
-    make_live_keys(take_, studio_.views);
-  });
   auto start = find_start();
   if (!stop_.stop_requested() && !options_.body) solve_template(start);
   report_.motion.body = start.found.body;
-  report_.motion.fps = take_.info().fps;
+  report_.motion.fps = source_.fps();
   report_.motion.first_frame = first_;
   report_.motion.frames.resize(end_ - first_);
   report_.start_frame = start.frame;
@@ -278,10 +231,10 @@ MotionCaptureReport MotionCapture::run() {
 
 }  // namespace
 
-MotionCaptureReport capture_motion(const MotionCaptureOptions& options,
+MotionCaptureReport capture_motion(OutlineSource& source, const MotionCaptureOptions& options,
                                    const std::function<void(std::size_t, std::size_t)>& progress,
                                    std::stop_token stop) {
-  return MotionCapture(options, progress, std::move(stop)).run();
+  return MotionCapture(source, options, progress, std::move(stop)).run();
 }
 
 }  // namespace rotunda::recon

@@ -1,23 +1,19 @@
 #pragma once
-// Marker-less motion capture of a take (de Aguiar et al. 2007, 5.1): silhouettes of every frame, a start out of any
-// upright frame, the template's lengths and widths solved over some forty frames together, then every frame followed
-// from there to both ends. World, metres.
-#include <filesystem>
+// Marker-less motion capture (de Aguiar et al. 2007, 5.1) from silhouettes: a start out of any upright frame, the
+// template's lengths and widths solved over some forty frames together, then every frame followed from there to both
+// ends. World, metres.
 #include <functional>
 #include <optional>
 #include <stop_token>
 #include <string>
 #include <utility>
 
-#include "capture/take/take_reader.h"
 #include "recon/body/captured_motion.h"
-#include "recon/stage_clock.h"
+#include "recon/body/outline_source.h"
 
 namespace rotunda::recon {
 
 struct MotionCaptureOptions {
-  std::filesystem::path take;
-  std::optional<std::filesystem::path> calibration;           // else the take's own
   std::optional<std::pair<std::size_t, std::size_t>> frames;  // half-open; else all
   bool only_overlap = false;                                  // the paper's: silhouette overlap alone
   std::optional<BodyTemplate> body;                           // the person's, known from another take; else solved
@@ -25,15 +21,15 @@ struct MotionCaptureOptions {
 
 struct MotionCaptureReport {
   CapturedMotion motion;
-  std::size_t start_frame = 0;  // of the take: where it found the person standing
+  std::size_t start_frame = 0;  // where it found the person standing
   std::vector<StageCost> stages;
   double wall_s = 0.0, cpu_s = 0.0;
   bool interrupted = false;  // then there is no motion
 };
 
-// Equal on any number of threads. Throws InvalidInput that says what to do: fewer than two cameras, nobody in the
-// silhouettes, no upright frame, nobody of the known measures; ConfigError, CorruptData, std::system_error.
-MotionCaptureReport capture_motion(const MotionCaptureOptions& options,
+// Equal on any number of threads. Throws InvalidInput that says what to do: nobody in the silhouettes, no upright
+// frame, nobody of the known measures; and what the source throws.
+MotionCaptureReport capture_motion(OutlineSource& source, const MotionCaptureOptions& options,
                                    const std::function<void(std::size_t done, std::size_t total)>& progress,
                                    std::stop_token stop);
 

@@ -1,5 +1,6 @@
 // rotunda animate: anyone's motion on anyone's scan.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <chrono>
@@ -17,6 +18,9 @@
 #include "recon/body/motion_capture.h"
 #include "recon/export/animation_export.h"
 #include "recon/mesh/scan_file.h"
+#include "recon/motion/character.h"
+#include "recon/take_outlines.h"
+#include "recon/video/surface_outlines.h"
 #include "rig/cli/command_line.h"
 #include "rig/cli/frame_range.h"
 
@@ -28,31 +32,55 @@ using nlohmann::json;
 
 struct AnimateArguments {
   fs::path motion, scan, markers, output, write_markers, edit, picture;
-  std::string to, frames;
+  std::string to, frames, clip;
   std::optional<fs::path> calibration;
   double turns = 1.0;
   bool as_paper = false, trust_angles = false, view_dependent = false, beside_template = false;
 };
 
+bool is_video(const fs::path& file) {
+  return fs::is_regular_file(file) && (file.extension() == ".mkv" || file.extension() == ".avi");
+}
+
 bool is_take(const AnimateArguments& arguments) {
-  return !fs::is_regular_file(arguments.motion);
+  return !fs::is_regular_file(arguments.motion) && !recon::is_character(arguments.motion);
+}
+
+// A character's clip, by --clip.
+fs::path clip_of(const AnimateArguments& arguments) {
+  const auto graph = recon::open_character(arguments.motion);
+  std::vector<std::string> names;
+  for (const auto& clip : graph.clips) {
+    if (clip.name == arguments.clip) return recon::clip_video_of(arguments.motion, clip.name);
+    names.push_back(clip.name);
+  }
+  throw InvalidInput(
+      fmt::format("{}: say with --clip which of its clips: {}", arguments.motion.string(), fmt::join(names, ", ")));
+}
+
+std::unique_ptr<recon::OutlineSource> silhouettes_of(const CommandLine& line, const AnimateArguments& arguments) {
+  if (is_take(arguments))
+    return std::make_unique<recon::TakeOutlines>(find_take(line, arguments.motion), arguments.calibration);
+  return std::make_unique<recon::SurfaceOutlines>(is_video(arguments.motion) ? arguments.motion : clip_of(arguments));
 }
 
 recon::CapturedMotion capture(const CommandLine& line, const AnimateArguments& arguments, const std::stop_token& stop) {
-  recon::MotionCaptureOptions options{.take = find_take(line, arguments.motion), .calibration = arguments.calibration};
+  recon::MotionCaptureOptions options;
   if (!arguments.frames.empty()) options.frames = frame_range(arguments.frames);
-  Progress bar("mocap " + options.take.filename().string());
+  const auto silhouettes = silhouettes_of(line, arguments);
+  Progress bar("mocap " + arguments.motion.filename().string());
   auto report = recon::capture_motion(
-      options, [&](std::size_t done, std::size_t total) { bar.update(done, total); }, stop);
+      *silhouettes, options, [&](std::size_t done, std::size_t total) { bar.update(done, total); }, stop);
   if (report.interrupted)
     throw std::system_error(std::make_error_code(std::errc::operation_canceled), "stopped before the motion was whole");
   return std::move(report.motion);
 }
 
 recon::BodyMotion read_motion(const CommandLine& line, const AnimateArguments& arguments, const std::stop_token& stop) {
+  const bool is_captured = is_take(arguments) || is_video(arguments.motion) || recon::is_character(arguments.motion);
   const recon::BvhImportOptions options{.name = arguments.motion.filename().string(),
-                                        .trust_angles = arguments.trust_angles || is_take(arguments)};
-  if (is_take(arguments)) return recon::import_bvh(recon::bvh_of(capture(line, arguments, stop)), options);
+                                        .trust_angles = arguments.trust_angles || is_captured};
+  if (is_captured) return recon::import_bvh(recon::bvh_of(capture(line, arguments, stop)), options);
   auto motion = recon::import_bvh(recon::read_bvh(arguments.motion), options);
   if (arguments.frames.empty()) return motion;
   const auto [first, end] = frame_range(arguments.frames);
@@ -196,6 +224,11 @@ void report(const recon::AnimationExportReport& report, const AnimateArguments& 
 
 void check(const AnimateArguments& arguments) {
   if (arguments.output.empty() && arguments.edit.empty()) throw InvalidInput("give -o, what to write; or --edit");
+  if (!arguments.clip.empty() && !recon::is_character(arguments.motion))
+    throw InvalidInput(
+        fmt::format("--clip names a clip of a character, and {} is none: give the character's folder as "
+                    "--motion",
+                    arguments.motion.string()));
   if (arguments.view_dependent && !arguments.edit.empty())
     throw InvalidInput("--edit shows the scan itself: edit the markers first, then --view-dependent --markers");
   if (!arguments.view_dependent) {
@@ -285,8 +318,11 @@ int animate(const CommandLine& line, const AnimateArguments& arguments, std::sto
 void add_animate_command(CommandLine& line) {
   auto arguments = std::make_shared<AnimateArguments>();
   auto* app = line.app.add_subcommand("animate", "moves a body scan as somebody moved");
-  app->add_option("--motion", arguments->motion, "FILE.bvh: anyone's motion capture; or a take, whose is captured")
+  app->add_option(
+         "--motion", arguments->motion,
+         "FILE.bvh: anyone's motion capture; or a take, a geometry video (.mkv) or a character, whose is captured")
       ->required();
+  app->add_option("--clip", arguments->clip, "of the character: walk, idle-walk, ...");
   app->add_option("--scan", arguments->scan,
                   "FILE.ply, .obj, .glb or .gltf, with its pictures: a person in an A- or T-pose, any size of mesh")
       ->required()
@@ -317,6 +353,7 @@ void add_animate_command(CommandLine& line) {
   app->add_option("--calibration", arguments->calibration, "of the take, if not its own")->check(CLI::ExistingFile);
   app->footer(
       "Examples:\n  rotunda animate --motion dance.bvh --scan scan.ply -o dance.glb\n"
+      "  rotunda animate --motion alex --clip kick --scan scan.ply -o kick.glb\n"
       "  rotunda animate --motion demo --scan scan.ply --view-dependent -o video.mp4\n"
       "  rotunda animate --motion dance.bvh --scan scan.ply --write-markers markers.yaml -o dance.mp4\n"
       "  rotunda animate --motion dance.bvh --scan scan.ply --edit markers.yaml\n"

@@ -16,6 +16,7 @@
 #include "recon/body/motion_capture.h"
 #include "recon/body/motion_overlay.h"
 #include "recon/export/motion_glb.h"
+#include "recon/take_outlines.h"
 #include "recon/take_studio.h"
 #include "rig/cli/command_line.h"
 #include "rig/cli/frame_range.h"
@@ -118,22 +119,24 @@ void write_overlay(const fs::path& take_folder, const MocapArguments& arguments,
 }
 
 int capture_motion(const CommandLine& line, const MocapArguments& arguments, std::stop_token stop) {
-  recon::MotionCaptureOptions options{.take = find_take(line, arguments.take), .only_overlap = arguments.paper};
+  const auto take = find_take(line, arguments.take);
+  recon::MotionCaptureOptions options{.only_overlap = arguments.paper};
   if (!arguments.frames.empty()) options.frames = frame_range(arguments.frames);
-  if (!arguments.calibration.empty()) options.calibration = arguments.calibration;
   if (!arguments.measures.empty()) options.body = recon::read_joints_json(arguments.measures).body;
   recon::MotionCaptureReport report;
   {
-    Progress bar("mocap " + options.take.filename().string());
+    Progress bar("mocap " + take.filename().string());
+    recon::TakeOutlines silhouettes(
+        take, arguments.calibration.empty() ? std::nullopt : std::optional(arguments.calibration));
     report = recon::capture_motion(
-        options, [&](std::size_t done, std::size_t total) { bar.update(done, total); }, stop);
+        silhouettes, options, [&](std::size_t done, std::size_t total) { bar.update(done, total); }, stop);
   }
   if (!report.interrupted) {
     recon::write_bvh(arguments.output, recon::bvh_of(report.motion));
     if (!arguments.joints.empty()) recon::write_joints_json(arguments.joints, report.motion);
     if (!arguments.gltf.empty()) recon::write_motion_glb(arguments.gltf, report.motion);
     if (!arguments.meshes.empty()) recon::write_template_meshes(arguments.meshes, report.motion);
-    if (!arguments.overlay.empty()) write_overlay(options.take, arguments, report.motion, stop);
+    if (!arguments.overlay.empty()) write_overlay(take, arguments, report.motion, stop);
   }
   return tell(line, report, arguments.output);
 }

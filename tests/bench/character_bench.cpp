@@ -3,13 +3,14 @@
 //   character_bench [--character DIR]... [--steer SECONDS] [--takes DIR --sim DIR]
 //   character_bench --stand-ins DIR [--person NAME] [--noise METRES]
 // --takes: reconstructed takes; --sim: what they were filmed from, NAME/truth/truth.json. One line a figure, with what
-// is asked; the baseline of drawing is the same surface as an indexed mesh in the same run.
+// is asked; the baselines of drawing are the same surface as an indexed mesh, here and in VTK (vtk_drawing.py).
 #include <fmt/format.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
+#include <cstdio>
 #include <ctime>
 #include <filesystem>
 #include <fstream>
@@ -22,6 +23,7 @@
 #include "playback/display/headless.h"
 #include "playback/render/geometry_image_renderer.h"
 #include "playback/render/mesh_renderer.h"
+#include "recon/mesh/mesh_file.h"
 #include "recon/motion/character.h"
 #include "recon/motion/motion_seam.h"
 #include "recon/sphere/resample.h"
@@ -182,6 +184,24 @@ void time_pictures(const std::string& what, int pictures, const std::string& ask
              1000.0 * (cpu_seconds() - cpu) / pictures, asked);
 }
 
+// In a process of its own, without a screen: VTK wants an X server.
+void measure_vtk(const recon::TriangleMesh& mesh) {
+  const auto file = fs::temp_directory_path() / fmt::format("rotunda_vtk_{}.ply", ::getpid());
+  recon::write_ply(file, mesh);
+  const auto command =
+      fmt::format("xvfb-run -a /usr/bin/python3 '{}' '{}' 200 2>/dev/null", ROTUNDA_VTK_DRAWING, file.string());
+  double rate = 0.0, cpu_ms = 0.0;
+  FILE* told = ::popen(command.c_str(), "r");
+  const bool drawn = told != nullptr && std::fscanf(told, "%lf %lf", &rate, &cpu_ms) == 2;
+  if (told != nullptr) ::pclose(told);
+  fs::remove(file);
+  const std::string what = "baseline: VTK drawing that mesh, 720 x 576";
+  if (drawn)
+    fmt::print("{:<44} {:>6.1f} /s   CPU {:>5.1f} ms a picture\n", what, rate, cpu_ms);
+  else
+    fmt::print("{}: not measured; it needs python3-vtk9 and xvfb\n", what);
+}
+
 void measure_drawing(const fs::path& character, const recon::MotionGraph& graph) {
   const playback::HeadlessDisplay display;
   auto begin = Clock::now();
@@ -231,6 +251,7 @@ void measure_drawing(const fs::path& character, const recon::MotionGraph& graph)
     playback::clear(recon::Colour{24, 26, 30});
     plain.draw(eye);
   });
+  measure_vtk(mesh);
 }
 
 // --- long steering ------------------------------------------------------------------------------------------------

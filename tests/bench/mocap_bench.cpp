@@ -16,6 +16,7 @@
 #include "capture/calibration_file.h"
 #include "capture/take/take.h"
 #include "recon/body/motion_capture.h"
+#include "recon/take_outlines.h"
 
 namespace {
 
@@ -149,9 +150,10 @@ int main(int argc, char** argv) {
   const fs::path rendered = argv[2];
   const auto truth = read_truth(rendered / "truth" / "joints.json");
   const auto cameras = capture::read_calibration(rendered / "truth" / "calibration.yaml");
-  MotionCaptureOptions options{.take = argv[1]};
+  TakeOutlines silhouettes(argv[1], std::nullopt);
+  MotionCaptureOptions options;
   if (argc > 3) options.frames = {0, static_cast<std::size_t>(std::stoul(argv[3]))};
-  const auto report = capture_motion(options, {}, {});
+  const auto report = capture_motion(silhouettes, options, {}, {});
   const auto errors = errors_of(report.motion, truth);
   print("rotunda", report, errors, overlaps(report.motion, cameras, rendered / "truth" / "mattes"));
   for (const auto& stage : report.stages)
@@ -160,7 +162,7 @@ int main(int argc, char** argv) {
   for (const auto& [name, both] : errors.by_joint)
     fmt::print("           {:<16} {:5.1f} mm, without offset {:5.1f}\n", name, 1000 * both.first, 1000 * both.second);
   options.only_overlap = true;
-  const auto paper = capture_motion(options, {}, {});
+  const auto paper = capture_motion(silhouettes, options, {}, {});
   print("paper", paper, errors_of(paper.motion, truth), overlaps(paper.motion, cameras, rendered / "truth" / "mattes"));
   fmt::print("{:<10} mean {:5.1f} mm, p95 {:5.1f}\n", "last pose", 1000 * mean(errors.held),
              1000 * percentile(errors.held, 0.95));
