@@ -236,14 +236,17 @@ TriangleMesh painted_surface(std::span<const LiveView> keyed, const StudioViews&
 
 }  // namespace
 
-LiveFrame reconstruct_live(const capture::FrameSet& frame_set, const StudioViews& studio, const LiveOptions& options,
-                           StageClock& clock) {
+LiveFrame key_live(const capture::FrameSet& frame_set, const StudioViews& studio, StageClock& clock) {
   LiveFrame frame;
   frame.views = clock.run("key", [&] { return key_views(frame_set, studio); });
-  if (frame.views.size() < 2) {
-    frame.failure = "fewer than two cameras have a picture";
-    return frame;
-  }
+  if (frame.views.size() < 2) frame.failure = "fewer than two cameras have a picture";
+  return frame;
+}
+
+LiveFrame reconstruct_live(const capture::FrameSet& frame_set, const StudioViews& studio, const LiveOptions& options,
+                           StageClock& clock) {
+  auto frame = key_live(frame_set, studio, clock);
+  if (!frame.failure.empty()) return frame;
   try {
     frame.mesh = painted_surface(frame.views, studio, options, clock);
   } catch (const InvalidInput& nothing) {

@@ -33,6 +33,9 @@ struct LiveFrame {
   std::string failure;          // why there is no surface; empty if fine
 };
 
+// The key alone: no surface. Throws as reconstruct_live does.
+LiveFrame key_live(const capture::FrameSet& frame_set, const StudioViews& studio, StageClock& clock);
+
 // `studio` with live keys, or the frame is late; mattes do not vote on each other, and the hull keeps only what all
 // views hold. A set with fewer than two pictures is a failure, not an error.
 // Throws InvalidInput if pictures are not of the cameras' sizes.

@@ -274,7 +274,7 @@ void TakeAlignment::match() {
   open_store(before ? fs::absolute(*options_.reference).lexically_normal().string() : "own");
   if (all_finished()) return;
   match_sequence(
-      end_ - first_, before,
+      end_ - first_, before, {.most_updates = 200, .one_by_one = true},
       [this](std::size_t i) {
         return has_surface(first_ + i) ? std::optional(frames_.image(first_ + i)) : std::nullopt;
       },

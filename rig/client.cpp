@@ -76,6 +76,19 @@ class RigClient::Call {
     const std::lock_guard lock(connection_.mutex);
     connection_.calls.erase(&context);
   }
+
+  // Reads until `use` returns false or `stop` is asked.
+  template <class Message, class Use>
+  void read(grpc::ClientReader<Message>& stream, const Use& use, const std::stop_token& stop) {
+    const std::stop_callback on_stop(stop, [&] { context.TryCancel(); });
+    Message message;
+    bool left = false;
+    while (!left && stream.Read(&message)) left = !use(from_message(message));
+    if (left) context.TryCancel();
+    const auto status = stream.Finish();
+    if (!left && !stop.stop_requested()) connection_.check(status);
+  }
+
   Call(const Call&) = delete;
   Call& operator=(const Call&) = delete;
 
@@ -173,16 +186,14 @@ std::vector<IdentifiedCamera> RigClient::identify(const IdentifyRequest& request
 
 void RigClient::watch_live(bool pictures, const std::function<bool(LivePacket&&)>& on_packet, std::stop_token stop) {
   Call call(*connection_);
-  const std::stop_callback on_stop(stop, [&] { call.context.TryCancel(); });
   v1::WatchLiveRequest request;
   request.set_pictures(pictures);
-  const auto stream = connection_->stub->WatchLive(&call.context, request);
-  v1::LivePacket message;
-  bool left = false;
-  while (!left && stream->Read(&message)) left = !on_packet(from_message(message));
-  if (left) call.context.TryCancel();
-  const auto status = stream->Finish();
-  if (!left && !stop.stop_requested()) connection_->check(status);
+  call.read(*connection_->stub->WatchLive(&call.context, request), on_packet, stop);
+}
+
+void RigClient::watch_motion(const std::function<bool(MotionFrame&&)>& on_frame, std::stop_token stop) {
+  Call call(*connection_);
+  call.read(*connection_->stub->WatchMotion(&call.context, {}), on_frame, stop);
 }
 
 }  // namespace rotunda::rig

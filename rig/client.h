@@ -115,6 +115,8 @@ struct PlateReport {
   std::vector<std::string> missing;  // cameras that sent no pictures
 };
 
+struct MotionFrame;  // motion_frame.h
+
 // Where the daemon listens: `given`, else ROTUNDA_SOCKET, else $XDG_RUNTIME_DIR/rotunda.sock, else /run/rotunda.sock.
 std::filesystem::path daemon_socket(const std::filesystem::path& given = {});
 
@@ -141,6 +143,9 @@ class RigClient {
   // Calls `on_packet` with each live surface, the newest after a slow call, until it returns false or `stop` is asked.
   // With pictures of up to four cameras, if asked.
   void watch_live(bool pictures, const std::function<bool(LivePacket&&)>& on_packet, std::stop_token stop);
+  // Calls `on_frame` with what live motion capture finds, the newest after a slow call, until it returns false or
+  // `stop` is asked. The person is followed while somebody watches.
+  void watch_motion(const std::function<bool(MotionFrame&&)>& on_frame, std::stop_token stop);
   // Ends calls that wait for an answer, from another thread, and any made later: they throw DeviceError. What they
   // asked for happens all the same.
   void hang_up();

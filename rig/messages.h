@@ -1,6 +1,7 @@
 #pragma once
 // Between the API's messages and the plain structs that clients and daemon work with. Private to rig/.
 #include "rig/client.h"
+#include "rig/motion_frame.h"
 #include "rig/rotunda.grpc.pb.h"
 
 namespace rotunda::rig {
@@ -19,6 +20,9 @@ IdentifyRequest from_message(const v1::IdentifyRequest& message);
 v1::IdentifyRequest to_message(const IdentifyRequest& request);
 LivePacket from_message(const v1::LivePacket& message);
 v1::LivePacket to_message(const LivePacket& packet);
+// Throws InvalidInput where a frame is not whole, or its body is none.
+MotionFrame from_message(const v1::MotionFrame& message);
+v1::MotionFrame to_message(const MotionFrame& frame);
 std::vector<IdentifiedCamera> from_message(const v1::IdentifyAnswer& message);
 v1::IdentifyAnswer to_message(const std::vector<IdentifiedCamera>& cameras);
 

@@ -1,6 +1,7 @@
 #include "recon/body/body_tracker.h"
 
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -16,14 +17,15 @@ using Eigen::AngleAxisd;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-constexpr std::size_t kMemory = 50;  // frames a typical residual is taken over
-constexpr std::size_t kPoses = 12;   // poses remembered for starting anew
-constexpr double kJump = 1.35;       // of the typical residual: something may be wrong
-constexpr double kJumpBy = 0.004;    // metres, at least
-constexpr double kLostShare = 0.55;  // of contour points with a partner: less is no fit
-constexpr std::size_t kLegTest = 8;  // frames between tests whether the legs are held otherwise,
-constexpr std::size_t kArmTest = 8;  // or an arm;
-constexpr double kLimbDoubt = 1.15;  // at once with so much of the typical residual
+constexpr std::size_t kMemory = 50;                     // frames a typical residual is taken over
+constexpr std::size_t kPoses = 12;                      // poses remembered for starting anew
+constexpr double kJump = 1.35;                          // of the typical residual: something may be wrong
+constexpr double kJumpBy = 0.004;                       // metres, at least
+constexpr double kLostShare = 0.55;                     // of contour points with a partner: less is no fit
+constexpr std::size_t kLegTest = 8;                     // frames between tests whether the legs are held otherwise,
+constexpr std::size_t kArmTest = 8;                     // or an arm;
+constexpr double kNextFrame = 0.15, kAfterAGap = 0.25;  // metres a limb may be off from what is predicted
+constexpr double kLimbDoubt = 1.15;                     // at once with so much of the typical residual
 
 Pose turned(const Pose& pose, double degrees) {
   Pose result = pose;
@@ -62,9 +64,11 @@ PoseFit BodyTracker::fit(const FrameOutlines& frame, const Pose& start, double f
   return fit_pose(body_, frame, start, options);
 }
 
-Pose BodyTracker::predicted() const {
-  constexpr double kBelief = 0.8;  // of a velocity: motions slow down sooner than they speed up
-  return before_last_ && lost_ == 0 ? extrapolated(*before_last_, last_, kBelief) : last_;
+Pose BodyTracker::predicted(double elapsed) const {
+  constexpr double kBelief = 0.8;    // of a velocity: motions slow down sooner than they speed up,
+  constexpr double kFarthest = 3.0;  // and turn back within an eighth of a second
+  const double share = kBelief * std::min(elapsed, kFarthest) / last_elapsed_;
+  return before_last_ && lost_ == 0 ? extrapolated(*before_last_, last_, share) : last_;
 }
 
 bool BodyTracker::is_doubtful(const PoseFit& fit) const {
@@ -72,10 +76,10 @@ bool BodyTracker::is_doubtful(const PoseFit& fit) const {
   return fit.residual > std::max(kJump * typical, typical + kJumpBy) || fit.explained < kLostShare;
 }
 
-void BodyTracker::try_others(const FrameOutlines& frame, PoseFit& best) const {
+// The last pose, legs swapped, turned round; and what was seen before, turned the way the last one stands.
+std::vector<Pose> BodyTracker::other_starts(const PoseFit& best) const {
   std::vector<Pose> starts = {last_, legs_swapped(best.pose), turned(mirrored(last_), 180.0), turned(last_, 45.0),
                               turned(last_, -45.0)};
-  const auto extent = body_extent(frame);
   for (auto pose : seen_) {
     const double yaw =
                      std::atan2(last_.rotation[0].toRotationMatrix()(1, 0), last_.rotation[0].toRotationMatrix()(0, 0)),
@@ -84,20 +88,41 @@ void BodyTracker::try_others(const FrameOutlines& frame, PoseFit& best) const {
     pose.root = last_.root;
     starts.push_back(pose);
   }
-  if (extent && extent->is_upright())
-    for (const auto& pose : standing_poses(body_, *extent)) starts.push_back(pose);
-  if (extent && lost_ > 0)
-    for (auto& start : starts) start.root.head<2>() += extent->centre.head<2>() - last_.root.head<2>();
-  std::vector<PoseFit> coarse;
-  for (const auto& start : starts)
-    coarse.push_back(
-        fit_pose(body_, frame, start, {.iterations = 6, .first_scale = 0.30, .last_scale = 0.08, .spacing_px = 12.0}));
+  return starts;
+}
+
+void BodyTracker::try_starts(const FrameOutlines& frame, const std::vector<Pose>& starts, PoseFit& best) const {
+  std::vector<PoseFit> coarse(starts.size());
+  tbb::parallel_for(std::size_t{0}, starts.size(), [&](std::size_t i) {
+    coarse[i] = fit_pose(body_, frame, starts[i],
+                         {.iterations = 6, .first_scale = 0.30, .last_scale = 0.08, .spacing_px = 12.0});
+  });
   std::sort(coarse.begin(), coarse.end(), [](const PoseFit& a, const PoseFit& b) { return a.residual < b.residual; });
   coarse.resize(std::min<std::size_t>(3, coarse.size()));
   for (const auto& start : coarse) {
     auto other = fit(frame, start.pose, 0.15, false);
     if (other.residual < 0.93 * best.residual) best = std::move(other);
+    if (options_.hurried && !is_doubtful(best)) return;
   }
+}
+
+void BodyTracker::try_others(const FrameOutlines& frame, PoseFit& best) const {
+  auto starts = other_starts(best);
+  const auto extent = body_extent(frame);
+  const auto move_there = [&](std::vector<Pose>& poses) {
+    if (!extent || lost_ == 0) return;
+    for (auto& start : poses) start.root.head<2>() += extent->centre.head<2>() - last_.root.head<2>();
+  };
+  auto standing = extent && extent->is_upright() ? standing_poses(body_, *extent) : std::vector<Pose>();
+  if (options_.hurried) {
+    move_there(starts);
+    try_starts(frame, starts, best);
+    if (!is_doubtful(best)) return;
+    starts.clear();
+  }
+  starts.insert(starts.end(), standing.begin(), standing.end());
+  move_there(starts);
+  try_starts(frame, starts, best);
 }
 
 // One limb is a tenth of all contours: where it fits instead of being hidden in the trunk or a skirt, the whole
@@ -139,7 +164,7 @@ void BodyTracker::remember(const PoseFit& fit) {
   seen_.push_back(fit.pose);
 }
 
-TrackedPose BodyTracker::track(const FrameOutlines& frame) {
+TrackedPose BodyTracker::track(const FrameOutlines& frame, double elapsed) {
   TrackedPose tracked;
   const auto seeing =
       std::count_if(frame.begin(), frame.end(), [](const auto& view) { return !view.outline.is_empty(); });
@@ -153,14 +178,14 @@ TrackedPose BodyTracker::track(const FrameOutlines& frame) {
     return tracked;
   };
   if (seeing < 2) return lose(fmt::format("{} of {} silhouettes show anybody", seeing, frame.size()));
-  const Pose start = options_.only_overlap ? last_ : predicted();
-  tracked.fit = fit(frame, start, 0.15, true);
+  const Pose start = options_.only_overlap ? last_ : predicted(elapsed);
+  tracked.fit = fit(frame, start, elapsed > 1.5 ? kAfterAGap : kNextFrame, true);
   if (!options_.only_overlap) {
     const bool doubtful = is_doubtful(tracked.fit);
     const double before = tracked.fit.residual;
     if (doubtful || lost_ > 0) try_others(frame, tracked.fit);
     ++frames_;
-    const bool look = tracked.fit.residual > kLimbDoubt * median(residuals_);
+    const bool look = !options_.hurried && tracked.fit.residual > kLimbDoubt * median(residuals_);
     const bool arms =
         (look || frames_ % kArmTest == kArmTest / 2) && try_limbs(frame, other_arms(tracked.fit.pose), tracked.fit);
     const bool legs = (look || frames_ % kLegTest == 0) && try_legs(frame, tracked.fit);
@@ -172,6 +197,7 @@ TrackedPose BodyTracker::track(const FrameOutlines& frame) {
   if (lost_ > 0) tracked.state = TrackState::recovered;
   before_last_ = lost_ > 0 || tracked.state == TrackState::recovered ? std::nullopt : std::optional(last_);
   lost_ = 0;
+  last_elapsed_ = elapsed;
   last_ = tracked.fit.pose;
   remember(tracked.fit);
   return tracked;

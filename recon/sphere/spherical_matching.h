@@ -20,7 +20,7 @@ struct MatchingOptions {
   double colour_sigma = 50.0;     // of 255
   double regularity = 0.75;       // lambda of eq. (4)
   double smallest_update = 1e-4;  // on the unit sphere: a level ends when no sample moves farther
-  int most_updates = 200;         // of a level; the paper has no bound
+  int most_updates = 40;          // of a level; the paper has no bound, and gains .4 mm by two hundred
   bool one_by_one = false;  // samples move in their order, as the paper has them; else sets that are no neighbours
 };
 

@@ -7,7 +7,6 @@
 #include "config/errors.h"
 #include "recon/sphere/relaxed_lattice.h"
 #include "recon/sphere/resample.h"
-#include "recon/sphere/spherical_matching.h"
 #include "recon/track/body_surface.h"
 #include "recon/track/rest_shape.h"
 #include "recon/track/settled_surface.h"
@@ -141,7 +140,7 @@ AlignedFrame BodyCarrier::align(const TriangleMesh& surface, const Skeleton& ske
   return settled_frame(state_->reference, state_->model.moved(state_->prior.posed(skeleton, pose)), target);
 }
 
-void match_sequence(std::size_t count, std::optional<GeometryImage> before,
+void match_sequence(std::size_t count, std::optional<GeometryImage> before, const MatchingOptions& options,
                     const std::function<std::optional<GeometryImage>(std::size_t)>& load, const FrameAligned& done,
                     const std::stop_token& stop) {
   std::optional<TriangleMesh> first;
@@ -151,7 +150,7 @@ void match_sequence(std::size_t count, std::optional<GeometryImage> before,
     const auto own_surface = with_normals(remesh(*own));
     std::size_t folds = 0;
     if (before) {
-      const auto match = match_on_sphere(*own, *before, {.one_by_one = true});
+      const auto match = match_on_sphere(*own, *before, options);
       folds = match.folds;
       own = matched_image(*own, match);
     }

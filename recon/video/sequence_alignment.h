@@ -16,6 +16,7 @@
 #include "recon/body/body_track.h"
 #include "recon/frame_store.h"
 #include "recon/sphere/geometry_image.h"
+#include "recon/sphere/spherical_matching.h"
 
 namespace rotunda::recon {
 
@@ -71,7 +72,7 @@ class BodyCarrier {
 
 // As the first paper has it (SMH 4, figure 2): every frame's own geometry image matched on the sphere to the one
 // before, as that was matched; the first of them to `before`, if given. Images come with their colours.
-void match_sequence(std::size_t count, std::optional<GeometryImage> before,
+void match_sequence(std::size_t count, std::optional<GeometryImage> before, const MatchingOptions& options,
                     const std::function<std::optional<GeometryImage>(std::size_t)>& load, const FrameAligned& done,
                     const std::stop_token& stop = {});
 

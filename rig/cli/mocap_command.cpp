@@ -20,6 +20,8 @@
 #include "recon/take_studio.h"
 #include "rig/cli/command_line.h"
 #include "rig/cli/frame_range.h"
+#include "rig/cli/live_mocap.h"
+#include "rig/client.h"
 
 namespace rotunda::rig {
 namespace {
@@ -30,7 +32,8 @@ using nlohmann::json;
 struct MocapArguments {
   std::string take, frames;
   fs::path output, joints, gltf, meshes, overlay, calibration, measures;
-  bool paper = false;
+  double duration_s = 0.0;
+  bool paper = false, live = false;
 };
 
 std::size_t count(const recon::CapturedMotion& motion, recon::TrackState state) {
@@ -118,7 +121,35 @@ void write_overlay(const fs::path& take_folder, const MocapArguments& arguments,
   if (film && !stop.stop_requested()) film->finish();
 }
 
+void write_motion(const MocapArguments& arguments, const recon::CapturedMotion& motion) {
+  if (!arguments.output.empty()) recon::write_bvh(arguments.output, recon::bvh_of(motion));
+  if (!arguments.joints.empty()) recon::write_joints_json(arguments.joints, motion);
+  if (!arguments.gltf.empty()) recon::write_motion_glb(arguments.gltf, motion);
+  if (!arguments.meshes.empty()) recon::write_template_meshes(arguments.meshes, motion);
+}
+
+int capture_from_daemon(const CommandLine& line, const MocapArguments& arguments, std::stop_token stop) {
+  if (!arguments.take.empty()) throw InvalidInput("name a take, or --live: not both");
+  if (!arguments.overlay.empty() || !arguments.frames.empty() || !arguments.calibration.empty() || arguments.paper ||
+      !arguments.measures.empty())
+    throw InvalidInput("--overlay, --frames, --calibration, --measures and --paper are for takes, not for --live");
+  const auto motion = capture_live(
+      {.socket = daemon_socket(line.daemon), .seconds = arguments.duration_s, .json = line.json}, std::move(stop));
+  if (motion.frames.empty()) {
+    fmt::print(stderr, "nobody was found; nothing is written\n");
+    return kDoneWithLoss;
+  }
+  write_motion(arguments, motion);
+  fmt::print(stderr, "{} frames of a person {:.2f} m tall, {} lost{}\n", motion.frames.size(),
+             recon::height_of(motion.body.measures), count(motion, recon::TrackState::lost),
+             arguments.output.empty() ? "" : ": " + arguments.output.string());
+  return kDone;
+}
+
 int capture_motion(const CommandLine& line, const MocapArguments& arguments, std::stop_token stop) {
+  if (arguments.live) return capture_from_daemon(line, arguments, std::move(stop));
+  if (arguments.take.empty()) throw InvalidInput("name a take, or give --live");
+  if (arguments.output.empty()) throw InvalidInput("give -o, the BVH to write");
   const auto take = find_take(line, arguments.take);
   recon::MotionCaptureOptions options{.only_overlap = arguments.paper};
   if (!arguments.frames.empty()) options.frames = frame_range(arguments.frames);
@@ -132,10 +163,7 @@ int capture_motion(const CommandLine& line, const MocapArguments& arguments, std
         silhouettes, options, [&](std::size_t done, std::size_t total) { bar.update(done, total); }, stop);
   }
   if (!report.interrupted) {
-    recon::write_bvh(arguments.output, recon::bvh_of(report.motion));
-    if (!arguments.joints.empty()) recon::write_joints_json(arguments.joints, report.motion);
-    if (!arguments.gltf.empty()) recon::write_motion_glb(arguments.gltf, report.motion);
-    if (!arguments.meshes.empty()) recon::write_template_meshes(arguments.meshes, report.motion);
+    write_motion(arguments, report.motion);
     if (!arguments.overlay.empty()) write_overlay(take, arguments, report.motion, stop);
   }
   return tell(line, report, arguments.output);
@@ -145,9 +173,15 @@ int capture_motion(const CommandLine& line, const MocapArguments& arguments, std
 
 void add_mocap_command(CommandLine& line) {
   auto arguments = std::make_shared<MocapArguments>();
-  auto* mocap = line.app.add_subcommand("mocap", "captures a performer's motion from a take's silhouettes");
-  mocap->add_option("take", arguments->take, "a take's name in storage, or its path")->required();
-  mocap->add_option("-o", arguments->output, "the motion: BVH, centimetres, y up")->required();
+  auto* mocap = line.app.add_subcommand("mocap", "captures a performer's motion from silhouettes, a take's or live");
+  mocap->add_option("take", arguments->take, "a take's name in storage, or its path");
+  mocap->add_option("-o", arguments->output, "the motion: BVH, centimetres, y up");
+  auto* live = mocap->add_flag("--live", arguments->live,
+                               "follow who is before the cameras now, until Ctrl-C or for --duration; with --json a "
+                               "line a frame, joints in metres");
+  mocap->add_option("--duration", arguments->duration_s, "seconds of live motion, from when somebody is found")
+      ->needs(live)
+      ->check(CLI::PositiveNumber);
   mocap->add_option("--joints", arguments->joints, "also write every joint's place, confidence and deviation (JSON)");
   mocap->add_option("--gltf", arguments->gltf, "also write the skeleton with the template on it (.glb)");
   mocap->add_option("--template", arguments->meshes, "also write DIR/frame000000.ply: the template in its pose");
@@ -160,7 +194,8 @@ void add_mocap_command(CommandLine& line) {
   mocap->footer(
       "No ritual pose is needed, but somebody must stand or walk upright in some of the frames.\n"
       "Example:\n  rotunda mocap demo -o demo.bvh --joints joints.json --overlay demo-mocap.mp4\n"
-      "  rotunda mocap jog -o jog.bvh --measures joints.json");
+      "  rotunda mocap jog -o jog.bvh --measures joints.json\n"
+      "  rotunda mocap --live --duration 10 -o now.bvh");
   mocap->callback([&line, arguments] {
     line.run = [&line, arguments](std::stop_token stop) { return capture_motion(line, *arguments, std::move(stop)); };
   });

@@ -4,11 +4,7 @@
 #include <fmt/ranges.h>
 #include <pthread.h>
 #include <spdlog/spdlog.h>
-#include <sys/resource.h>
 #include <tbb/info.h>
-#include <tbb/task_arena.h>
-#include <tbb/task_scheduler_observer.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <opencv2/imgcodecs.hpp>
@@ -16,32 +12,18 @@
 
 #include "recon/live_studio.h"
 #include "recon/live_surface.h"
+#include "rig/daemon/low_priority.h"
 
 namespace rotunda::rig {
 namespace {
 
 using namespace std::chrono_literals;
 
-constexpr int kNice = 10;  // whoever receives or records frames comes first
 constexpr auto kLately = 3s;
 constexpr auto kTryAgain = 3s;
 constexpr auto kStill = 1s;  // no set was offered for so long: nothing runs
 constexpr int kPictureWidth = 360;
 constexpr std::size_t kPictures = 4;  // at most, with a surface
-
-void lower_priority() {
-  setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNice);
-}
-
-// oneTBB's threads that come to help stay at that for good: nothing else in the daemon uses them.
-class LowPriority : public tbb::task_scheduler_observer {
- public:
-  explicit LowPriority(tbb::task_arena& arena) : tbb::task_scheduler_observer(arena) { observe(true); }
-  ~LowPriority() override { observe(false); }
-  void on_scheduler_entry(bool is_worker) override {
-    if (is_worker) lower_priority();
-  }
-};
 
 // A camera that is not there is done without; a frame that was lost on its way would be missed on the surface.
 bool usable(const capture::FrameSet& set) {
@@ -83,8 +65,8 @@ std::vector<LivePicture> live_pictures(const std::vector<recon::LiveView>& views
 
 }  // namespace
 
-LiveSurfaces::LiveSurfaces(MakeWork make_work, std::size_t workers)
-    : make_work_(std::move(make_work)), count_(workers) {
+LiveSurfaces::LiveSurfaces(MakeWork make_work, std::size_t workers, Onlooker onlooker)
+    : make_work_(std::move(make_work)), onlooker_(std::move(onlooker)), count_(workers) {
   for (std::size_t i = 0; i < count_; ++i)
     workers_.emplace_back([this](const std::stop_token& stop) { work_off(stop); });
 }
@@ -126,12 +108,20 @@ void LiveSurfaces::work_on(const Job& job) {
   try {
     const auto work = work_of(*job.studio, job.set);
     if (!work) return;
-    auto frame = work->reconstruct(job.set);
+    const bool just_key = only_keys(*work);
+    auto frame = just_key ? work->key(job.set) : work->reconstruct(job.set);
+    if (onlooker_.tell) onlooker_.tell(job.set, *work, frame.views);
     if (!frame.failure.empty()) return fail(frame.failure);
-    publish(job.set, std::move(frame));
+    if (!just_key) publish(job.set, std::move(frame));
   } catch (const std::exception& error) {
     fail(error.what());
   }
+}
+
+bool LiveSurfaces::only_keys(const LiveWork& work) const {
+  if (!work.key || !onlooker_.looks || !onlooker_.looks()) return false;
+  const std::lock_guard lock(mutex_);
+  return viewers_ == 0;
 }
 
 std::shared_ptr<const LiveWork> LiveSurfaces::work_of(Studio& studio, const capture::FrameSet& first) {
@@ -242,7 +232,12 @@ LiveWork live_work(const config::RigConfig& rig, const std::filesystem::path& pl
             recon::StageClock clock;
             return recon::reconstruct_live(set, studio->views, {.bounds = studio->volume}, clock);
           },
-          fmt::format("{}", fmt::join(studio->remarks, "; "))};
+          fmt::format("{}", fmt::join(studio->remarks, "; ")),
+          [studio](const capture::FrameSet& set) {
+            recon::StageClock clock;
+            return recon::key_live(set, studio->views, clock);
+          },
+          {studio, &studio->views.cameras}};
 }
 
 }  // namespace rotunda::rig

@@ -25,6 +25,8 @@ namespace rotunda::rig {
 struct LiveWork {
   std::function<recon::LiveFrame(const capture::FrameSet&)> reconstruct;
   std::string remark;  // what makes them worse than they could be; empty if nothing
+  std::function<recon::LiveFrame(const capture::FrameSet&)> key = {};     // without a surface
+  std::shared_ptr<const std::vector<capture::CameraModel>> cameras = {};  // of the sets' slots
 };
 
 class LiveSurfaces {
@@ -32,8 +34,15 @@ class LiveSurfaces {
   // Called on a worker with the first set of some cameras. What it throws is told in the status, and tried again.
   using MakeWork = std::function<LiveWork(const std::vector<capture::CameraId>&, const capture::FrameSet&)>;
 
+  // Told on a worker what was keyed in a set, whether a surface came of it or not; must not wait. While it looks and
+  // nobody looks at surfaces none are made: there is more time for what it does.
+  struct Onlooker {
+    std::function<bool()> looks;
+    std::function<void(const capture::FrameSet&, const LiveWork&, const std::vector<recon::LiveView>&)> tell;
+  };
+
   // `workers`: frame sets at once.
-  LiveSurfaces(MakeWork make_work, std::size_t workers);
+  LiveSurfaces(MakeWork make_work, std::size_t workers, Onlooker onlooker = {});
   ~LiveSurfaces();
 
   // `cameras`: of the set's slots. Sets in which a camera that is there has no frame are passed over.
@@ -63,12 +72,14 @@ class LiveSurfaces {
 
   void work_off(const std::stop_token& stop);
   void work_on(const Job& job);
+  bool only_keys(const LiveWork& work) const;
   std::shared_ptr<const LiveWork> work_of(Studio& studio, const capture::FrameSet& first);
   void tell(Studio& studio, const std::string& problem);
   void publish(const capture::FrameSet& set, recon::LiveFrame&& frame);
   void fail(const std::string& why);
 
   const MakeWork make_work_;
+  const Onlooker onlooker_;
   const std::size_t count_;  // of workers
   capture::BoundedQueue<Job> queue_{1};
   mutable std::mutex mutex_;  // of what follows

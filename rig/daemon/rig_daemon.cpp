@@ -57,13 +57,16 @@ std::uint64_t free_bytes(std::filesystem::path folder) {
 // A frame set a core at once, as far as there is one for each.
 constexpr int kMostWorkers = 4;
 
-std::unique_ptr<LiveSurfaces> make_surfaces(const config::RigConfig& rig, bool wanted) {
+std::unique_ptr<LiveSurfaces> make_surfaces(const config::RigConfig& rig, bool wanted, LiveMocap& mocap) {
   if (!wanted) return nullptr;
   const auto make_work = [rig](const auto& cameras, const auto& first) {
     return live_work(rig, plate_folder(rig.storage.takes), cameras, first);
   };
   return std::make_unique<LiveSurfaces>(
-      make_work, static_cast<std::size_t>(std::clamp(tbb::info::default_concurrency(), 1, kMostWorkers)));
+      make_work, static_cast<std::size_t>(std::clamp(tbb::info::default_concurrency(), 1, kMostWorkers)),
+      LiveSurfaces::Onlooker{.looks = [&mocap] { return mocap.is_watched(); },
+                             .tell = [&mocap](const auto& set, const auto& work,
+                                              const auto& views) { mocap.offer(set, work.cameras, views); }});
 }
 
 }  // namespace
@@ -71,7 +74,7 @@ std::unique_ptr<LiveSurfaces> make_surfaces(const config::RigConfig& rig, bool w
 RigDaemon::RigDaemon(const config::RigConfig& rig, bool with_surfaces)
     : rig_(rig),
       fleet_(rig),
-      surfaces_(make_surfaces(rig, with_surfaces)),
+      surfaces_(make_surfaces(rig, with_surfaces, mocap_)),
       review_(with_surfaces ? std::make_unique<TakeReview>([this] { return recording(); }) : nullptr),
       live_keeper_([this](std::stop_token stop) { keep_live(std::move(stop)); }),
       preflight_(std::in_place, rig_, [this] { return session_status(); }) {}

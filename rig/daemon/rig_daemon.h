@@ -13,6 +13,7 @@
 #include "config/rig_config.h"
 #include "rig/client.h"
 #include "rig/daemon/camera_fleet.h"
+#include "rig/daemon/live_mocap.h"
 #include "rig/daemon/live_session.h"
 #include "rig/daemon/live_surfaces.h"
 #include "rig/daemon/picture_watch.h"
@@ -45,6 +46,7 @@ class RigDaemon {
   // Live before and after takes, or not. What keeps it from being so is a warning of the status.
   void set_live(bool on);
   LiveSurfaces* surfaces() { return surfaces_.get(); }  // none if not asked for
+  LiveMocap& mocap() { return mocap_; }                 // follows nobody without surfaces
 
  private:
   std::string state_locked() const;
@@ -66,6 +68,7 @@ class RigDaemon {
   config::RigConfig rig_;
   CameraFleet fleet_;
   PictureWatch watch_;
+  LiveMocap mocap_;                         // before the surfaces, which it looks on
   std::unique_ptr<LiveSurfaces> surfaces_;  // none if not asked for
   mutable std::mutex mutex_;
   std::condition_variable_any live_changed_;

@@ -88,6 +88,22 @@ class RigService final : public v1::Rig::Service {
     return grpc::Status::OK;
   }
 
+  grpc::Status WatchMotion(grpc::ServerContext* context, const v1::WatchMotionRequest*,
+                           grpc::ServerWriter<v1::MotionFrame>* writer) override {
+    if (!daemon_.surfaces())
+      return {grpc::StatusCode::FAILED_PRECONDITION,
+              "this daemon keys nothing while cameras run (--no-surfaces), which motion capture needs"};
+    constexpr int kSilence = 10;  // turns, then it says why nothing comes
+    MotionWatcher watcher(daemon_.mocap());
+    for (int turns = 1; !context->IsCancelled() && !ending_; ++turns) {
+      const auto frame = watcher.next(200ms);
+      if (!frame && (turns < kSilence || daemon_.mocap().is_fed())) continue;
+      turns = 0;
+      if (!writer->Write(frame ? to_message(*frame) : to_message(nothing_to_follow()))) break;
+    }
+    return grpc::Status::OK;
+  }
+
   grpc::Status Identify(grpc::ServerContext*, const v1::IdentifyRequest* request, v1::IdentifyAnswer* answer) override {
     try {
       *answer = to_message(daemon_.identify(from_message(*request)));
@@ -107,6 +123,14 @@ class RigService final : public v1::Rig::Service {
   }
 
  private:
+  MotionFrame nothing_to_follow() const {
+    MotionFrame frame;
+    frame.exposure = frame.made = capture::RigClock::now();
+    const auto problem = daemon_.surfaces()->status().problem;
+    frame.motion.why = problem.empty() ? "no frame sets come; have the cameras triggered: rotunda rig live" : problem;
+    return frame;
+  }
+
   RigDaemon& daemon_;
   std::atomic<bool> ending_ = false;
 };

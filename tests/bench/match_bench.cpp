@@ -139,7 +139,8 @@ recon::GeometryImage error_picture(recon::GeometryImage image, const OnTruth& a,
 
 struct Arguments {
   std::string take, truth, frames = "0:1000", joints, clip;
-  bool baseline = false, sphere = false;
+  recon::MatchingOptions matching{.most_updates = 200, .one_by_one = true};
+  bool baseline = false, sphere = false, own_maps = false;
 };
 
 void print(const std::string& what, const Spread& spread, const std::string& asked) {
@@ -297,10 +298,15 @@ int align(const Arguments& arguments) {
     Score score(take, arguments.clip);
     carry_by_nearest_points(take, first, end, score);
     score.print();
+  } else if (arguments.own_maps) {
+    Score score(take, arguments.clip);
+    for (auto frame = first; frame < end; ++frame)
+      if (const auto image = take.image(frame)) score.add(frame, {.surface = recon::remesh(*image), .image = *image});
+    score.print();
   } else if (arguments.sphere) {
     Score score(take, arguments.clip);
     recon::match_sequence(
-        end - first, std::nullopt, [&](std::size_t i) { return take.image(first + i); },
+        end - first, std::nullopt, arguments.matching, [&](std::size_t i) { return take.image(first + i); },
         [&](std::size_t i, const recon::AlignedFrame& frame) { score.add(first + i, frame); });
     score.print();
   } else if (take.track()) {
@@ -364,6 +370,10 @@ int main(int argc, char** argv) {
   align->add_option("--joints", arguments.joints, "what rotunda mocap --joints wrote");
   align->add_option("--clip", arguments.clip, "write a geometry video whose colours are errors since the first frame");
   align->add_flag("--baseline", arguments.baseline, "nearest points from frame to frame");
+  align->add_option("--lambda", arguments.matching.regularity, "of --sphere, eq. (4)")->capture_default_str();
+  align->add_option("--updates", arguments.matching.most_updates, "of a level of --sphere")->capture_default_str();
+  align->add_flag("!--side-by-side", arguments.matching.one_by_one, "--sphere moves samples on all cores");
+  align->add_flag("--own-maps", arguments.own_maps, "each frame as it was mapped, turned to the one before");
   align->add_flag("--sphere", arguments.sphere, "spherical matching from frame to frame, as the first paper has it");
   rotunda::PairArguments pair_arguments;
   auto* pair = app.add_subcommand("pair", "frames of two takes of one person, in the first's reference");

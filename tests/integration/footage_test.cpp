@@ -1,4 +1,6 @@
 // Pictures from elsewhere through import, recon and render; and single meshes through map.
+#include "tests/integration/footage.h"
+
 #include <fmt/format.h>
 #include <signal.h>
 #include <unistd.h>
@@ -9,7 +11,6 @@
 #include <opencv2/imgproc.hpp>
 
 #include "recon/mesh/mesh_file.h"
-#include "tests/integration/footage.h"
 #include "tests/support/closed_shapes.h"
 
 namespace rotunda::tests {

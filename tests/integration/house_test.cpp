@@ -23,7 +23,7 @@ std::string rig_text(const SmallRig& rig, const std::string& name) {
       "trigger: {{ mode: action, rate_hz: {1}, lead_periods: {8}, interface: 127.0.0.1 }}\n"
       "storage: {{ reserve_mb: {2}, queue_frame_sets: {7} }}\n"
       "camera_defaults: {{ pixel_format: {3}, width: {4}, height: {5}, packet_size: {6} }}\ncameras:\n",
-      name, rig.rate_hz, rig.reserve_mb, rig.pixel_format, kWidth, kHeight, rig.packet_size, rig.queue_frame_sets,
+      name, rig.rate_hz, rig.reserve_mb, rig.pixel_format, rig.width, rig.height, rig.packet_size, rig.queue_frame_sets,
       rig.lead_periods);
   for (int i = 0; i < rig.cameras; ++i)
     text += fmt::format("  - {{ name: cam{:02}, address: 127.0.0.{} }}\n", i, i + 1);
@@ -67,7 +67,7 @@ void StudioTest::SetUp() {
 fs::path StudioTest::write_rig(const SmallRig& rig, const std::string& name) {
   capture::write_calibration(
       folder() / (name + ".calibration.yaml"),
-      simulator::camera_layout({.cameras = std::max(2, rig.cameras), .width = kWidth, .height = kHeight}));
+      simulator::camera_layout({.cameras = std::max(2, rig.cameras), .width = rig.width, .height = rig.height}));
   const auto file = folder() / (name + ".yaml");
   std::ofstream(file) << rig_text(rig, name);
   return file;

@@ -21,6 +21,7 @@ inline constexpr int kWidth = 160, kHeight = 128;
 
 struct SmallRig {
   int cameras = 3;
+  int width = kWidth, height = kHeight;
   std::string pixel_format = "BayerRG8";
   double reserve_mb = 1.0;
   int packet_size = 8900;  // bytes, all headers

@@ -1,6 +1,8 @@
 // Surfaces while cameras run: made beside a recording that loses nothing for it, shown to whoever looks.
 #include <csignal>
 #include <cstdlib>
+#include <fstream>
+#include <sstream>
 
 #include "capture/picture.h"
 #include "tests/integration/house_test.h"
@@ -83,6 +85,39 @@ TEST_F(LiveSurfaces, AreDrawnForThePlayerAndWithFourCamerasForTheKiosk) {
   const auto headless = run("rotunda-kiosk", {"--daemon", socket().string(), "--display", "window"});
   EXPECT_EQ(headless.exit_code, 4);
   EXPECT_THAT(headless.err, HasSubstr("no display"));
+}
+
+// The skeleton of who is before the cameras, for as long as somebody watches.
+TEST_F(LiveSurfaces, GiveWayToMotionCapture) {
+  const auto rig = write_rig({.cameras = 6, .width = 480, .height = 384});
+  const auto sim = start_sim(rig);
+  const auto daemon = start_daemon(rig, {"--surfaces"});
+  const auto early = rotunda({"mocap", "--live"});
+  EXPECT_EQ(early.exit_code, 4);
+  EXPECT_THAT(early.err, HasSubstr("rotunda rig live"));
+  EXPECT_EQ(rotunda({"mocap", "some-take", "--live"}).exit_code, 3);
+  ASSERT_EQ(rotunda({"rig", "live"}).exit_code, 0);
+
+  const auto bvh = folder() / "live.bvh", joints_file = folder() / "live.json";
+  const auto outcome =
+      rotunda({"--json", "mocap", "--live", "--duration", "3", "-o", bvh.string(), "--joints", joints_file.string()});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("frames of a person"));
+  std::istringstream lines(outcome.out);
+  json last;
+  int frames = 0;
+  for (std::string line; std::getline(lines, line);)
+    if (const auto frame = json::parse(line); frame.contains("joints")) {
+      last = frame;
+      ++frames;
+    }
+  ASSERT_GE(frames, 2) << outcome.out;
+  EXPECT_NEAR(last["height_m"].get<double>(), 1.78, 0.12) << "the simulated person's";
+  const double pelvis = last["joints"]["pelvis"]["position"][2].get<double>();
+  EXPECT_NEAR(pelvis, 0.98, 0.15);
+  std::ifstream stream(joints_file);
+  EXPECT_GE(json::parse(stream)["frames"].size(), 10U) << "at the rig's rate, whatever could be looked at";
+  EXPECT_TRUE(std::filesystem::exists(bvh));
 }
 
 TEST_F(LiveSurfaces, SayWhyThereAreNone) {
