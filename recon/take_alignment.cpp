@@ -264,8 +264,9 @@ std::optional<GeometryImage> TakeAlignment::first_of_reference() const {
   if (!options_.reference) return std::nullopt;
   const auto folder = AlignmentStore::folder_of(*options_.reference);
   const auto report = json::parse(read_text(folder / "report.json"), nullptr, false);
-  if (report.is_discarded() || report["frames"].empty()) refuse_unaligned(*options_.reference);
-  return AlignmentStore(folder).image(report["frames"][0]["frame"].get<std::size_t>());
+  const auto frames = report.is_object() ? report.value("frames", json::array()) : json::array();
+  if (frames.empty()) refuse_unaligned(*options_.reference);
+  return AlignmentStore(folder).image(frame_alignment_of(frames[0].dump(), folder).frame);
 }
 
 void TakeAlignment::match() {

@@ -1,6 +1,5 @@
 // rotunda animate: anyone's motion on anyone's scan.
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <chrono>
@@ -15,14 +14,11 @@
 #include "playback/marker_window.h"
 #include "playback/render/animation_film.h"
 #include "playback/render/scan_video.h"
-#include "recon/body/motion_capture.h"
 #include "recon/export/animation_export.h"
 #include "recon/mesh/scan_file.h"
 #include "recon/motion/character.h"
-#include "recon/take_outlines.h"
-#include "recon/video/surface_outlines.h"
 #include "rig/cli/command_line.h"
-#include "rig/cli/frame_range.h"
+#include "rig/cli/motion_source.h"
 
 namespace rotunda::rig {
 namespace {
@@ -31,67 +27,12 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 struct AnimateArguments {
-  fs::path motion, scan, markers, output, write_markers, edit, picture;
-  std::string to, frames, clip;
-  std::optional<fs::path> calibration;
+  MotionSource motion;
+  fs::path scan, markers, output, write_markers, edit, picture;
+  std::string to;
   double turns = 1.0;
-  bool as_paper = false, trust_angles = false, view_dependent = false, beside_template = false;
+  bool as_paper = false, view_dependent = false, beside_template = false;
 };
-
-bool is_video(const fs::path& file) {
-  return fs::is_regular_file(file) && (file.extension() == ".mkv" || file.extension() == ".avi");
-}
-
-bool is_take(const AnimateArguments& arguments) {
-  return !fs::is_regular_file(arguments.motion) && !recon::is_character(arguments.motion);
-}
-
-// A character's clip, by --clip.
-fs::path clip_of(const AnimateArguments& arguments) {
-  const auto graph = recon::open_character(arguments.motion);
-  std::vector<std::string> names;
-  for (const auto& clip : graph.clips) {
-    if (clip.name == arguments.clip) return recon::clip_video_of(arguments.motion, clip.name);
-    names.push_back(clip.name);
-  }
-  throw InvalidInput(
-      fmt::format("{}: say with --clip which of its clips: {}", arguments.motion.string(), fmt::join(names, ", ")));
-}
-
-std::unique_ptr<recon::OutlineSource> silhouettes_of(const CommandLine& line, const AnimateArguments& arguments) {
-  if (is_take(arguments))
-    return std::make_unique<recon::TakeOutlines>(find_take(line, arguments.motion), arguments.calibration);
-  return std::make_unique<recon::SurfaceOutlines>(is_video(arguments.motion) ? arguments.motion : clip_of(arguments));
-}
-
-recon::CapturedMotion capture(const CommandLine& line, const AnimateArguments& arguments, const std::stop_token& stop) {
-  recon::MotionCaptureOptions options;
-  if (!arguments.frames.empty()) options.frames = frame_range(arguments.frames);
-  const auto silhouettes = silhouettes_of(line, arguments);
-  Progress bar("mocap " + arguments.motion.filename().string());
-  auto report = recon::capture_motion(
-      *silhouettes, options, [&](std::size_t done, std::size_t total) { bar.update(done, total); }, stop);
-  if (report.interrupted)
-    throw std::system_error(std::make_error_code(std::errc::operation_canceled), "stopped before the motion was whole");
-  return std::move(report.motion);
-}
-
-recon::BodyMotion read_motion(const CommandLine& line, const AnimateArguments& arguments, const std::stop_token& stop) {
-  const bool is_captured = is_take(arguments) || is_video(arguments.motion) || recon::is_character(arguments.motion);
-  const recon::BvhImportOptions options{.name = arguments.motion.filename().string(),
-                                        .trust_angles = arguments.trust_angles || is_captured};
-  if (is_captured) return recon::import_bvh(recon::bvh_of(capture(line, arguments, stop)), options);
-  auto motion = recon::import_bvh(recon::read_bvh(arguments.motion), options);
-  if (arguments.frames.empty()) return motion;
-  const auto [first, end] = frame_range(arguments.frames);
-  const auto last = std::min(end, motion.poses.size());
-  if (first >= last)
-    throw InvalidInput(
-        fmt::format("frames {} are not in the motion, which has 0:{}", arguments.frames, motion.poses.size()));
-  motion.poses = {motion.poses.begin() + static_cast<std::ptrdiff_t>(first),
-                  motion.poses.begin() + static_cast<std::ptrdiff_t>(last)};
-  return motion;
-}
 
 recon::PreparedScan read_prepared(const fs::path& file) {
   auto read = recon::read_scan(file);
@@ -224,20 +165,20 @@ void report(const recon::AnimationExportReport& report, const AnimateArguments& 
 
 void check(const AnimateArguments& arguments) {
   if (arguments.output.empty() && arguments.edit.empty()) throw InvalidInput("give -o, what to write; or --edit");
-  if (!arguments.clip.empty() && !recon::is_character(arguments.motion))
+  if (!arguments.motion.clip.empty() && !recon::is_character(arguments.motion.file))
     throw InvalidInput(
         fmt::format("--clip names a clip of a character, and {} is none: give the character's folder as "
                     "--motion",
-                    arguments.motion.string()));
+                    arguments.motion.file.string()));
   if (arguments.view_dependent && !arguments.edit.empty())
     throw InvalidInput("--edit shows the scan itself: edit the markers first, then --view-dependent --markers");
   if (!arguments.view_dependent) {
     if (arguments.beside_template) throw InvalidInput("--beside-template compares 3D videos: add --view-dependent");
-    if (arguments.calibration && !is_take(arguments))
+    if (arguments.motion.calibration && !is_take(arguments.motion))
       throw InvalidInput("--calibration says where a take's cameras stand, and --motion is no take");
     return;
   }
-  if (!is_take(arguments))
+  if (!is_take(arguments.motion))
     throw InvalidInput("--view-dependent colours the scan by the pictures of a take: give the take as --motion");
   if (arguments.output.extension() != ".mp4" && !arguments.output.extension().empty())
     throw InvalidInput(arguments.output.string() + ": a 3D video is a .mp4, or a folder of pictures");
@@ -253,7 +194,7 @@ int film_video(const CommandLine& line, const AnimateArguments& arguments, const
   const auto markers = markers_for(arguments, scan);
   recon::ScanAnimation animation(std::move(scan), markers, {.as_paper = arguments.as_paper});
   tell(animation.notes(), arguments.scan, line.json);
-  const auto motion = capture(line, arguments, stop);
+  const auto motion = capture(line, arguments.motion, stop);
   const double legs = animation.fit().body.skeleton.leg_length(), theirs = motion.body.skeleton.leg_length();
   if (std::abs(legs / theirs - 1.0) > kSameLegs)
     fmt::print(
@@ -262,8 +203,8 @@ int film_video(const CommandLine& line, const AnimateArguments& arguments, const
         arguments.scan.string(), legs, theirs);
   Progress bar("rendering");
   playback::ScanVideoOptions options{.output = arguments.output,
-                                     .take = find_take(line, arguments.motion),
-                                     .calibration = arguments.calibration,
+                                     .take = find_take(line, arguments.motion.file),
+                                     .calibration = arguments.motion.calibration,
                                      .beside_template = arguments.beside_template,
                                      .turns = arguments.turns};
   options.progress = [&](std::size_t done, std::size_t total) { bar.update(done, total); };
@@ -278,8 +219,8 @@ int animate(const CommandLine& line, const AnimateArguments& arguments, std::sto
   check(arguments);
   if (arguments.view_dependent) return film_video(line, arguments, stop);
   const std::string kind = arguments.output.empty() ? "" : kind_of(arguments);
-  const auto motion = read_motion(line, arguments, stop);
-  tell(motion.notes, arguments.motion, line.json);
+  const auto motion = read_motion(line, arguments.motion, stop);
+  tell(motion.notes, arguments.motion.file, line.json);
   auto scan = read_prepared(arguments.scan);
   tell(scan.notes, arguments.scan, line.json);
   json notes = motion.notes;
@@ -319,10 +260,10 @@ void add_animate_command(CommandLine& line) {
   auto arguments = std::make_shared<AnimateArguments>();
   auto* app = line.app.add_subcommand("animate", "moves a body scan as somebody moved");
   app->add_option(
-         "--motion", arguments->motion,
+         "--motion", arguments->motion.file,
          "FILE.bvh: anyone's motion capture; or a take, a geometry video (.mkv) or a character, whose is captured")
       ->required();
-  app->add_option("--clip", arguments->clip, "of the character: walk, idle-walk, ...");
+  app->add_option("--clip", arguments->motion.clip, "of the character: walk, idle-walk, ...");
   app->add_option("--scan", arguments->scan,
                   "FILE.ply, .obj, .glb or .gltf, with its pictures: a person in an A- or T-pose, any size of mesh")
       ->required()
@@ -340,17 +281,18 @@ void add_animate_command(CommandLine& line) {
   app->add_option("--to", arguments->to,
                   "skin (a .glb's default: small, its error is told), morph (.glb: exact, large), pc2 (.obj: exact)")
       ->check(CLI::IsMember({"skin", "morph", "pc2"}));
-  app->add_option("--frames", arguments->frames, "A:B of the motion, half-open, counted from 0");
+  app->add_option("--frames", arguments->motion.frames, "A:B of the motion, half-open, counted from 0");
   app->add_flag("--paper", arguments->as_paper,
                 "as de Aguiar et al. 2007: nothing held in place but by least squares, volume left to itself");
-  app->add_flag("--trust-angles", arguments->trust_angles,
+  app->add_flag("--trust-angles", arguments->motion.trust_angles,
                 "take a BVH's angles as degrees though they look like radians");
   app->add_flag("--view-dependent", arguments->view_dependent,
                 "3D video: the performer's own scan where they were, in the colours of the take's pictures, as a film");
   app->add_flag("--beside-template", arguments->beside_template,
                 "3D video: and to the right of it the motion capture's template in the same pictures");
   app->add_option("--turns", arguments->turns, "3D video: of the eye round the performer")->capture_default_str();
-  app->add_option("--calibration", arguments->calibration, "of the take, if not its own")->check(CLI::ExistingFile);
+  app->add_option("--calibration", arguments->motion.calibration, "of the take, if not its own")
+      ->check(CLI::ExistingFile);
   app->footer(
       "Examples:\n  rotunda animate --motion dance.bvh --scan scan.ply -o dance.glb\n"
       "  rotunda animate --motion alex --clip kick --scan scan.ply -o kick.glb\n"

@@ -14,6 +14,7 @@
 #include "config/errors.h"
 #include "config/exit_code.h"
 #include "config/progress.h"
+#include "recon/alignment_report.h"
 #include "recon/mesh/mesh_file.h"
 #include "recon/sphere/resample.h"
 #include "recon/sphere/sphere_file.h"
@@ -43,13 +44,7 @@ json to_json(const std::vector<recon::StageCost>& stages) {
 
 json to_json(const recon::TakeAlignmentReport& report) {
   json frames = json::array();
-  for (const auto& frame : report.frames)
-    frames.push_back({{"frame", frame.frame},
-                      {"residual_mean_mm", frame.residual_mean_mm},
-                      {"residual_p95_mm", frame.residual_p95_mm},
-                      {"stretch_p95", frame.stretch_p95},
-                      {"uncovered", frame.uncovered},
-                      {"folds", frame.folds}});
+  for (const auto& frame : report.frames) frames.push_back(recon::json_of(frame));
   json result{{"how", report.how}, {"frames", frames}, {"stages", to_json(report.stages)}};
   if (!report.why_no_skeleton.empty()) result["why_no_skeleton"] = report.why_no_skeleton;
   return result;

@@ -89,7 +89,7 @@ TEST_F(LiveSurfaces, AreDrawnForThePlayerAndWithFourCamerasForTheKiosk) {
 
 // The skeleton of who is before the cameras, for as long as somebody watches.
 TEST_F(LiveSurfaces, GiveWayToMotionCapture) {
-  const auto rig = write_rig({.cameras = 6, .width = 480, .height = 384});
+  const auto rig = write_rig({.cameras = 6, .width = 320, .height = 256});
   const auto sim = start_sim(rig);
   const auto daemon = start_daemon(rig, {"--surfaces"});
   const auto early = rotunda({"mocap", "--live"});

@@ -131,6 +131,17 @@ TEST_F(Mocap, KeepsTheMeasuresThatAnotherTakeTold) {
   EXPECT_EQ(recon::read_joints_json(again).body.measures, other.body.measures);
 }
 
+TEST_F(Mocap, PaperModeMatchesFramesOnTheSphere) {
+  ASSERT_EQ(import({}).exit_code, 0);
+  const auto outcome = rotunda({"recon", "walk", "--paper", "--align", "--frames", "0:2", "--json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto alignment = json::parse(outcome.out)["alignment"];
+  EXPECT_EQ(alignment["how"], "matching") << alignment.dump(2);
+  ASSERT_EQ(alignment["frames"].size(), 2U);
+  EXPECT_EQ(alignment["frames"][1]["folds"], 0);
+  EXPECT_LT(alignment["frames"][1]["residual_mean_mm"].get<double>(), 5.0) << "it is the frame's own surface still";
+}
+
 TEST_F(Mocap, RefusesSomebodyElsesMeasures) {
   ASSERT_EQ(import({}).exit_code, 0);
   const auto childs = folder() / "child.json";
